@@ -1,0 +1,25 @@
+//! The trade's types and kernels: height fields, point clouds, meshes, cutters, tool paths, and the
+//! drop cutter. Nothing here knows of nodes, recipes or files.
+//!
+//! Frame: right-handed, millimetres, Z up. The controlled point of a cutter is its **tip**.
+//!
+//! Long kernels take a [`Tick`]: they call it with the share of work done since the last call and
+//! stop, returning `None`, as soon as it answers `false`.
+
+mod bounds;
+mod height_field;
+mod mesh;
+mod pattern;
+mod point_cloud;
+mod toolpath;
+
+pub use bounds::Bounds;
+pub use glam::{DVec2, DVec3};
+pub use height_field::{HeightField, HeightFieldError};
+pub use mesh::Mesh;
+pub use pattern::{Pattern, PatternSpan};
+pub use point_cloud::PointCloud;
+pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
+
+/// Told how many units of work were done since the last call; answers whether to go on.
+pub type Tick<'a> = &'a (dyn Fn(usize) -> bool + Sync);
