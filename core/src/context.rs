@@ -1,0 +1,159 @@
+//! What a node is given to work with besides its inputs and parameters.
+
+use crate::cancel::CancelToken;
+use crate::catalog::Catalogs;
+use crate::files::{FileError, Files, InputFile, OutputName};
+use crate::graph::Graph;
+use crate::node::NodeError;
+use crate::staging::{OutputFile, Staging};
+use serde::{Deserialize, Serialize};
+use std::any::Any;
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// How much a note matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weight {
+    /// Good to know.
+    Note,
+    /// The result may not be what was meant.
+    Warning,
+}
+
+/// Something a node has to say to the user.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// How much it matters.
+    pub weight: Weight,
+    /// A sentence.
+    pub text: String,
+}
+
+/// Told what happens during a run. Calls come from many threads at once.
+pub trait Observer: Sync {
+    /// A node has begun.
+    fn started(&self, node: &str) {
+        let _ = node;
+    }
+    /// A node has done `share` (0 to 1) of its work.
+    fn progressed(&self, node: &str, share: f64) {
+        let _ = (node, share);
+    }
+    /// A node has something to say.
+    fn noted(&self, node: &str, note: &Note) {
+        let _ = (node, note);
+    }
+    /// A node's turn is over.
+    fn finished(&self, node: &str, report: &crate::report::NodeReport) {
+        let _ = (node, report);
+    }
+}
+
+/// An observer that does not look.
+impl Observer for () {}
+
+/// The only way from a node to files, services, progress and messages.
+pub struct Context<'a> {
+    pub(crate) index: usize,
+    pub(crate) node: &'a str,
+    pub(crate) prefix: &'a str,
+    pub(crate) files: Files,
+    pub(crate) staging: &'a Staging,
+    pub(crate) catalogs: &'a Catalogs,
+    pub(crate) cancel: &'a CancelToken,
+    pub(crate) observer: &'a dyn Observer,
+    pub(crate) graph: &'a Graph,
+    pub(crate) notes: Mutex<Vec<Note>>,
+}
+
+impl Context<'_> {
+    /// The contents of a file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(&self, file: &InputFile) -> Result<Cow<'static, [u8]>, FileError> {
+        self.files.read(file, self.cancel)
+    }
+
+    /// Begins a file in the output folder.
+    ///
+    /// # Errors
+    /// If it cannot be made, or another node writes one of the same name.
+    pub fn create(&self, name: &OutputName, extension: &str) -> Result<OutputFile<'_>, FileError> {
+        let name = name.file_name(self.prefix, extension);
+        self.staging.create(self.index, name, self.cancel, &|at| self.graph.nodes[at].id.clone())
+    }
+
+    /// The name of the picture or part that the work began with.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        self.prefix
+    }
+
+    /// A service that was registered with a catalog.
+    ///
+    /// # Errors
+    /// If there is none: the program was put together wrongly.
+    pub fn service<T: Any + Send + Sync>(&self) -> Result<&T, NodeError> {
+        let name = std::any::type_name::<T>();
+        self.catalogs.service().ok_or_else(|| NodeError::failed(format!("no service {name}")))
+    }
+
+    /// Whether the run was called off.
+    #[must_use]
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_cancelled()
+    }
+
+    /// What a kernel made, if it was not called off.
+    ///
+    /// # Errors
+    /// [`NodeError::Cancelled`] for `None`.
+    pub fn completed<T>(&self, result: Option<T>) -> Result<T, NodeError> {
+        result.ok_or(NodeError::Cancelled)
+    }
+
+    /// Counts work against a `total` known beforehand.
+    #[must_use]
+    pub fn ticker(&self, total: usize) -> Ticker<'_> {
+        Ticker { context: self, total: total.max(1), done: AtomicUsize::new(0) }
+    }
+
+    /// Tells the user something.
+    pub fn note(&self, text: impl Into<String>) {
+        self.say(Weight::Note, text.into());
+    }
+
+    /// Warns the user.
+    pub fn warn(&self, text: impl Into<String>) {
+        self.say(Weight::Warning, text.into());
+    }
+
+    fn say(&self, weight: Weight, text: String) {
+        let note = Note { weight, text };
+        self.observer.noted(self.node, &note);
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
+    }
+}
+
+/// Progress of one piece of work. Kernels call [`tick`](Self::tick) from any thread.
+pub struct Ticker<'a> {
+    context: &'a Context<'a>,
+    total: usize,
+    done: AtomicUsize,
+}
+
+impl Ticker<'_> {
+    /// Counts `units` more as done; answers whether to go on.
+    pub fn tick(&self, units: usize) -> bool {
+        let before = self.done.fetch_add(units, Ordering::Relaxed);
+        let percent = |done: usize| done.saturating_mul(100) / self.total;
+        if percent(before + units) != percent(before) {
+            let share = ((before + units) as f64 / self.total as f64).min(1.0);
+            self.context.observer.progressed(self.context.node, share);
+        }
+        !self.context.is_cancelled()
+    }
+}

@@ -1,0 +1,184 @@
+//! A recipe checked, its inner recipes laid out flat, every parameter set and every wire tied.
+//!
+//! [`Graph::build`] finds everything that can be wrong before anything runs, and says all of it at
+//! once. What it returns can be planned and run.
+
+mod flatten;
+mod settle;
+mod wire;
+
+use crate::catalog::Catalogs;
+use crate::diagnostic::Diagnostics;
+use crate::files::{Files, InputFile};
+use crate::library::Library;
+use crate::node::{AnyNode, NodeKind};
+use crate::param::{ParamValue, ParamValues};
+use crate::recipe::Recipe;
+use crate::registry::Registry;
+use flatten::Flattened;
+use petgraph::graph::{DiGraph, NodeIndex};
+
+pub use flatten::Setting;
+
+/// Where an input's value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wire {
+    /// The node, as an index into [`Graph::nodes`].
+    pub node: usize,
+    /// Its output port, as an index into its kind's outputs.
+    pub port: usize,
+}
+
+/// A node of a checked graph.
+pub struct GraphNode {
+    /// Its name; of a node in an inner recipe `outer/inner`.
+    pub id: String,
+    /// Its kind, as an index into [`Registry::kinds`].
+    kind: usize,
+    /// All its parameters.
+    pub values: ParamValues,
+    /// For each input port of its kind where the value comes from, if anywhere.
+    pub inputs: Vec<Option<Wire>>,
+    /// Why it has nothing to do, if so.
+    pub idle: Option<&'static str>,
+    /// What its output files are called after.
+    pub prefix: String,
+    pub(crate) node: Box<dyn AnyNode>,
+}
+
+impl GraphNode {
+    /// The files it reads, each with the parameter that names it.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &InputFile)> {
+        self.values.iter().filter_map(|(name, value)| match value {
+            ParamValue::File(file) => Some((name, file)),
+            _ => None,
+        })
+    }
+
+    /// Whether it writes files: such a node is run for them, not for its values.
+    #[must_use]
+    pub fn writes_files(&self) -> bool {
+        self.values.iter().any(|(_, value)| matches!(value, ParamValue::Output(_)))
+    }
+}
+
+/// A checked graph.
+pub struct Graph {
+    /// The name of the recipe.
+    pub recipe: String,
+    /// All nodes, in the order they are written.
+    pub nodes: Vec<GraphNode>,
+    /// The nodes that the recipe is run for.
+    pub wanted: Vec<usize>,
+    pub(crate) order: Vec<usize>,
+    pub(crate) registry: Registry,
+    pub(crate) files: Files,
+}
+
+impl Graph {
+    /// Checks `recipe` as changed by `settings` and makes a graph of it, along with what there is
+    /// to warn of.
+    ///
+    /// # Errors
+    /// All that is wrong.
+    pub fn build(
+        recipe: &Recipe,
+        settings: &[Setting],
+        registry: &Registry,
+        library: &Library,
+    ) -> Result<Self, Diagnostics> {
+        let files = Files { assets: library.assets };
+        let mut faults = Diagnostics::default();
+        let flat = flatten::flatten(recipe, settings, registry, library, &mut faults);
+        let wires = wire::tie(&flat, registry, &mut faults);
+        let settled = settle::settle(&flat, registry, files, &mut faults);
+        let wanted = wire::wanted(&flat, recipe, &mut faults);
+        let order = wire::order(&flat, &wires, &mut faults);
+        if faults.has_errors() {
+            return Err(faults);
+        }
+        let mut nodes: Vec<GraphNode> = Vec::with_capacity(flat.nodes.len());
+        for ((declared, inputs), settled) in flat.nodes.iter().zip(wires).zip(settled) {
+            let (Some(kind), Some((values, node))) = (declared.kind, settled) else { continue };
+            let idle = node.idle();
+            let (id, prefix) = (declared.id.clone(), String::new());
+            nodes.push(GraphNode { id, kind, values, inputs, idle, prefix, node });
+        }
+        let mut graph =
+            Self { recipe: recipe.name.clone(), nodes, wanted, order, registry: registry.clone(), files };
+        graph.rest_idle(&flat, &mut faults);
+        graph.name_outputs();
+        if faults.has_errors() { Err(faults) } else { Ok(graph) }
+    }
+
+    /// The definition of a node's kind.
+    #[must_use]
+    pub fn kind(&self, node: &GraphNode) -> &NodeKind {
+        &self.registry.kinds()[node.kind]
+    }
+
+    /// The number of the node called `id`.
+    #[must_use]
+    pub fn find(&self, id: &str) -> Option<usize> {
+        self.nodes.iter().position(|node| node.id == id)
+    }
+
+    /// The node numbers in an order in which each stands behind those it reads from.
+    pub(crate) fn in_order(&self) -> impl DoubleEndedIterator<Item = usize> + '_ {
+        self.order.iter().copied()
+    }
+
+    pub(crate) fn catalogs(&self) -> &Catalogs {
+        self.registry.catalogs()
+    }
+
+    /// Cuts the wires from idle nodes where the input may stay open; complains where it may not.
+    fn rest_idle(&mut self, flat: &Flattened, faults: &mut Diagnostics) {
+        for at in 0..self.nodes.len() {
+            let specs = &self.registry.kinds()[self.nodes[at].kind].inputs;
+            for (port, spec) in specs.iter().enumerate() {
+                let Some(wire) = self.nodes[at].inputs[port] else { continue };
+                let source = &self.nodes[wire.node];
+                let Some(why) = source.idle else { continue };
+                if !spec.optional && self.nodes[at].idle.is_none() {
+                    let message = format!(
+                        "port {:?} of node {:?} needs {:?}, which makes nothing: {why}",
+                        spec.name, self.nodes[at].id, source.id
+                    );
+                    faults.push(flat.nodes[at].fault(message));
+                }
+                self.nodes[at].inputs[port] = None;
+            }
+        }
+    }
+
+    /// Names each node's output files after the first file that it, or a node before it, reads.
+    fn name_outputs(&mut self) {
+        for at in self.order.clone() {
+            let node = &self.nodes[at];
+            let own = node.files().next().map(|(_, file)| file.stem());
+            let mut before = node.inputs.iter().flatten().map(|wire| &self.nodes[wire.node].prefix);
+            let inherited = before.find(|prefix| !prefix.is_empty()).cloned();
+            self.nodes[at].prefix = own.or(inherited).unwrap_or_default();
+        }
+        for node in &mut self.nodes {
+            if node.prefix.is_empty() {
+                node.prefix.clone_from(&self.recipe);
+            }
+        }
+    }
+}
+
+/// The graph of nodes as petgraph takes it: an arrow from each node to those that read from it.
+pub(crate) fn arrows(inputs: &[Vec<Option<Wire>>]) -> DiGraph<(), ()> {
+    let mut graph = DiGraph::with_capacity(inputs.len(), inputs.len());
+    for _ in inputs {
+        graph.add_node(());
+    }
+    for (reader, wires) in inputs.iter().enumerate() {
+        for wire in wires.iter().flatten() {
+            graph.update_edge(NodeIndex::new(wire.node), NodeIndex::new(reader), ());
+        }
+    }
+    graph
+}

@@ -1,0 +1,441 @@
+//! Doing what a plan says.
+//!
+//! Every node is a task on one rayon pool; kernels spread their loops over the same pool. A task
+//! starts when the last node it reads from is done, so no task ever waits for another, and no lock
+//! is held while a node runs. A value is dropped when its last reader is done. A node that fails or
+//! panics takes only those with it that read from it. Output files are put in place at the end, all
+//! together; see [`staging`](crate::staging).
+
+use crate::cache::{Cache, Entry, Parts};
+use crate::cancel::CancelToken;
+use crate::context::{Context, Observer};
+use crate::files::FileError;
+use crate::node::NodeError;
+use crate::plan::{Plan, Step, output_types};
+use crate::port::{InputValues, Value};
+use crate::report::{NodeReport, NodeStatus, PortReport, RunReport, RunStatus, peak_rss_mb};
+use crate::staging::{Staging, WrittenFile};
+use rayon::Scope;
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// How to run a plan.
+#[derive(Clone, Copy)]
+pub struct RunOptions<'a> {
+    /// Number of threads; 0 takes one a core.
+    pub threads: usize,
+    /// Where values are kept from one run to the next.
+    pub cache: Option<&'a dyn Cache>,
+    /// Told what happens.
+    pub observer: &'a dyn Observer,
+}
+
+/// What a run can be stopped by: from another thread, such as one that hears Ctrl-C.
+#[derive(Clone)]
+pub struct Session {
+    /// Called off by this.
+    pub cancel: CancelToken,
+    out: PathBuf,
+    staging: Arc<Staging>,
+}
+
+impl Session {
+    /// A run that writes its files into the folder `out`.
+    #[must_use]
+    pub fn new(out: &Path) -> Self {
+        let staging = Arc::new(Staging::new(out.to_owned()));
+        Self { cancel: CancelToken::default(), out: out.to_owned(), staging }
+    }
+
+    /// The output folder.
+    #[must_use]
+    pub fn out(&self) -> &Path {
+        &self.out
+    }
+
+    /// Removes every file of the run that is not in place yet, for a program that is about to exit
+    /// without waiting for the run to end.
+    pub fn abandon(&self) {
+        self.cancel.cancel();
+        self.staging.abandon();
+    }
+}
+
+/// What became of a node.
+struct Outcome {
+    report: NodeReport,
+    /// One value a port until the last reader is done; empty for a node that failed or writes only.
+    values: Vec<Value>,
+    ended: Ended,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Ended {
+    Well,
+    Badly,
+    Refused,
+    Cancelled,
+}
+
+/// One node's state during a run.
+#[derive(Default)]
+struct Slot {
+    /// Nodes it reads from that are not done.
+    waits_for: AtomicUsize,
+    /// Nodes that read from it and are not done.
+    readers: AtomicUsize,
+    outcome: Mutex<Option<Outcome>>,
+}
+
+struct Runner<'a> {
+    plan: &'a Plan<'a>,
+    options: RunOptions<'a>,
+    session: &'a Session,
+    slots: Vec<Slot>,
+    /// The nodes that read from each node and have a turn.
+    readers: Vec<Vec<usize>>,
+}
+
+/// Runs a plan. It always comes back with a report, whatever fails.
+#[must_use]
+pub fn run(plan: &Plan<'_>, session: &Session, options: RunOptions<'_>) -> RunReport {
+    let started = Instant::now();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .thread_name(|index| format!("carve {index}"))
+        .build();
+    let runner = Runner::new(plan, session, options);
+    let mut threads = 1;
+    let mut trouble = None;
+    match pool {
+        Ok(pool) => {
+            threads = pool.current_num_threads();
+            pool.in_place_scope(|scope| {
+                for at in runner.turns().filter(|at| runner.is_ready(*at)) {
+                    runner.spawn(scope, at);
+                }
+            });
+        }
+        Err(fault) => trouble = Some(format!("cannot start {} threads: {fault}", options.threads)),
+    }
+    runner.report(started, threads, trouble)
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl<'a> Runner<'a> {
+    fn new(plan: &'a Plan<'a>, session: &'a Session, options: RunOptions<'a>) -> Self {
+        let count = plan.graph.nodes.len();
+        let mut slots = Vec::new();
+        slots.resize_with(count, Slot::default);
+        let runner =
+            Self { plan, options, session, slots, readers: vec![Vec::new(); count] };
+        runner.with_readers()
+    }
+
+    /// Notes who reads from whom.
+    fn with_readers(mut self) -> Self {
+        for at in 0..self.slots.len() {
+            if !matches!(self.plan.steps[at], Some(Step::Run)) {
+                continue;
+            }
+            let sources = self.sources(at);
+            for source in &sources {
+                self.readers[*source].push(at);
+            }
+            *self.slots[at].waits_for.get_mut() = sources.len();
+        }
+        for at in 0..self.slots.len() {
+            *self.slots[at].readers.get_mut() = self.readers[at].len();
+        }
+        self
+    }
+
+    /// The nodes that a node reads from, each once.
+    fn sources(&self, at: usize) -> Vec<usize> {
+        let inputs = self.plan.graph.nodes[at].inputs.iter().flatten();
+        let mut sources: Vec<usize> = inputs.map(|wire| wire.node).collect();
+        sources.sort_unstable();
+        sources.dedup();
+        sources
+    }
+
+    /// The nodes that have a turn: those that run and those whose values are loaded.
+    fn turns(&self) -> impl Iterator<Item = usize> {
+        let turn = |at: &usize| matches!(self.plan.steps[*at], Some(Step::Run | Step::Load { .. }));
+        self.plan.in_order().filter(turn)
+    }
+
+    fn is_ready(&self, at: usize) -> bool {
+        self.slots[at].waits_for.load(Ordering::Acquire) == 0
+    }
+
+    fn spawn<'s>(&'s self, scope: &Scope<'s>, at: usize) {
+        scope.spawn(move |scope| {
+            self.take_turn(at);
+            for reader in &self.readers[at] {
+                if self.slots[*reader].waits_for.fetch_sub(1, Ordering::AcqRel) == 1 {
+                    self.spawn(scope, *reader);
+                }
+            }
+        });
+    }
+
+    fn take_turn(&self, at: usize) {
+        let id = &self.plan.graph.nodes[at].id;
+        self.options.observer.started(id);
+        let mut outcome = match &self.plan.steps[at] {
+            Some(Step::Load { entry, values }) => Outcome {
+                report: self.cached(at, entry),
+                values: std::mem::take(&mut *lock(values)),
+                ended: Ended::Well,
+            },
+            _ => self.run_node(at),
+        };
+        if outcome.ended == Ended::Refused {
+            self.session.cancel.cancel();
+        }
+        if self.readers[at].is_empty() {
+            outcome.values.clear();
+        }
+        self.options.observer.finished(id, &outcome.report);
+        *lock(&self.slots[at].outcome) = Some(outcome);
+        for source in self.sources(at) {
+            self.let_go(source);
+        }
+    }
+
+    /// Drops a node's values if this was its last reader.
+    fn let_go(&self, source: usize) {
+        if self.slots[source].readers.fetch_sub(1, Ordering::AcqRel) == 1
+            && let Some(outcome) = &mut *lock(&self.slots[source].outcome)
+        {
+            outcome.values.clear();
+        }
+    }
+
+    fn cached(&self, at: usize, entry: &Entry) -> NodeReport {
+        NodeReport {
+            kind: self.plan.graph.kind(&self.plan.graph.nodes[at]).name,
+            status: NodeStatus::Cached,
+            wall_s: 0.0,
+            outputs: entry.outputs.clone(),
+            notes: entry.notes.clone(),
+            reason: None,
+        }
+    }
+
+    fn run_node(&self, at: usize) -> Outcome {
+        let started = Instant::now();
+        let context = self.context(at);
+        let result = self.inputs(at).and_then(|inputs| {
+            let node = &self.plan.graph.nodes[at].node;
+            // A node owns nothing that outlives it: what a panic leaves behind is dropped with it.
+            catch_unwind(AssertUnwindSafe(|| node.run(&inputs, &context)))
+                .unwrap_or_else(|panic| Err(NodeError::Failed(panic_message(&*panic))))
+        });
+        let wall_s = started.elapsed().as_secs_f64();
+        let notes = context.notes.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let kind = self.plan.graph.kind(&self.plan.graph.nodes[at]).name;
+        let report = |status, reason, outputs| NodeReport {
+            kind,
+            status,
+            wall_s,
+            outputs,
+            notes: notes.clone(),
+            reason,
+        };
+        match result {
+            Ok(values) => {
+                let outputs = self.facts(at, &values);
+                self.keep(at, &report(NodeStatus::Ran, None, outputs.clone()), &values);
+                let report = report(NodeStatus::Ran, None, outputs);
+                Outcome { report, values, ended: Ended::Well }
+            }
+            Err(fault) => {
+                let (status, ended) = match &fault {
+                    NodeError::Cancelled | NodeError::File(FileError::Cancelled) => {
+                        (NodeStatus::Skipped, Ended::Cancelled)
+                    }
+                    NodeError::Refused { .. } => (NodeStatus::Failed, Ended::Refused),
+                    _ if self.lacks_input(at) => (NodeStatus::Skipped, Ended::Badly),
+                    _ => (NodeStatus::Failed, Ended::Badly),
+                };
+                let report = report(status, Some(fault.to_string()), BTreeMap::new());
+                Outcome { report, values: Vec::new(), ended }
+            }
+        }
+    }
+
+    fn context(&self, at: usize) -> Context<'_> {
+        let node = &self.plan.graph.nodes[at];
+        Context {
+            index: at,
+            node: &node.id,
+            prefix: &node.prefix,
+            files: self.plan.graph.files,
+            staging: &self.session.staging,
+            catalogs: self.plan.graph.catalogs(),
+            cancel: &self.session.cancel,
+            observer: self.options.observer,
+            graph: self.plan.graph,
+            notes: Mutex::default(),
+        }
+    }
+
+    /// The values at a node's inputs, or why one is not there.
+    fn inputs(&self, at: usize) -> Result<InputValues, NodeError> {
+        if self.session.cancel.is_cancelled() {
+            return Err(NodeError::Cancelled);
+        }
+        let node = &self.plan.graph.nodes[at];
+        let specs = &self.plan.graph.kind(node).inputs;
+        let mut inputs = InputValues::default();
+        for (spec, wire) in specs.iter().zip(&node.inputs) {
+            let Some(wire) = wire else { continue };
+            let outcome = lock(&self.slots[wire.node].outcome);
+            match outcome.as_ref().and_then(|outcome| outcome.values.get(wire.port)) {
+                Some(value) => inputs.insert(spec.name, Arc::clone(value)),
+                None => {
+                    let source = &self.plan.graph.nodes[wire.node].id;
+                    let message = format!("nothing came from {source:?}, which it reads");
+                    return Err(NodeError::Failed(message));
+                }
+            }
+        }
+        Ok(inputs)
+    }
+
+    fn lacks_input(&self, at: usize) -> bool {
+        self.sources(at).iter().any(|source| {
+            let outcome = lock(&self.slots[*source].outcome);
+            outcome.as_ref().is_none_or(|outcome| outcome.ended != Ended::Well)
+        })
+    }
+
+    fn facts(&self, at: usize, values: &[Value]) -> BTreeMap<String, PortReport> {
+        let ports = &self.plan.graph.kind(&self.plan.graph.nodes[at]).outputs;
+        let types = output_types(self.plan.graph, at);
+        let report = |((port, port_type), value): ((&crate::PortSpec, &&crate::PortType), &Value)| {
+            let facts = port_type.facts(value).into_iter();
+            let facts = facts.map(|(name, fact)| (name.to_owned(), fact)).collect();
+            (port.name.to_owned(), PortReport { type_name: port_type.name.to_owned(), facts })
+        };
+        ports.iter().zip(&types).zip(values).map(report).collect()
+    }
+
+    /// Puts what a node made into the cache.
+    fn keep(&self, at: usize, report: &NodeReport, values: &[Value]) {
+        let (Some(cache), Some(keys)) = (self.options.cache, &self.plan.keys) else { return };
+        let (key, parts) = &keys[at];
+        let entry = Entry {
+            parts: parts.clone(),
+            wall_s: report.wall_s,
+            outputs: report.outputs.clone(),
+            notes: report.notes.clone(),
+            files: self.session.staging.written_by(at),
+        };
+        let types = output_types(self.plan.graph, at);
+        let values: Vec<_> = types.into_iter().zip(values.iter().cloned()).collect();
+        cache.store(key, entry, &values);
+    }
+
+    /// What is told of a node that had no turn.
+    fn rested(&self, at: usize) -> NodeReport {
+        let report = |status, reason| NodeReport {
+            kind: self.plan.graph.kind(&self.plan.graph.nodes[at]).name,
+            status,
+            wall_s: 0.0,
+            outputs: BTreeMap::new(),
+            notes: Vec::new(),
+            reason: Some(reason),
+        };
+        match &self.plan.steps[at] {
+            Some(Step::Keep(entry)) => self.cached(at, entry),
+            Some(Step::Rest(why)) => report(NodeStatus::Skipped, why.clone()),
+            _ => report(NodeStatus::Skipped, "no output needs it".to_owned()),
+        }
+    }
+
+    fn report(self, started: Instant, threads: usize, mut trouble: Option<String>) -> RunReport {
+        let graph = self.plan.graph;
+        let mut ends = Vec::new();
+        let mut finished = vec![false; graph.nodes.len()];
+        let mut nodes = BTreeMap::new();
+        for (at, node) in graph.nodes.iter().enumerate() {
+            let outcome = lock(&self.slots[at].outcome).take();
+            let report = match outcome {
+                Some(outcome) => {
+                    finished[at] = outcome.ended == Ended::Well;
+                    ends.push(outcome.ended);
+                    outcome.report
+                }
+                None => self.rested(at),
+            };
+            nodes.insert(node.id.clone(), report);
+        }
+        let mut status = if ends.contains(&Ended::Refused) {
+            RunStatus::Refused
+        } else if self.session.cancel.is_cancelled() {
+            RunStatus::Interrupted
+        } else if ends.contains(&Ended::Badly) || trouble.is_some() {
+            RunStatus::Failed
+        } else {
+            RunStatus::Done
+        };
+        let mut files = Vec::new();
+        match status {
+            RunStatus::Refused | RunStatus::Interrupted => self.session.staging.abandon(),
+            RunStatus::Done | RunStatus::Failed => {
+                match self.session.staging.publish(|at| finished[at]) {
+                    Ok(published) => files = self.files(published),
+                    Err(fault) => {
+                        status = RunStatus::Failed;
+                        trouble = Some(fault.to_string());
+                    }
+                }
+            }
+        }
+        self.remember();
+        let wall_s = started.elapsed().as_secs_f64();
+        let recipe = graph.recipe.clone();
+        RunReport { recipe, status, wall_s, peak_rss_mb: peak_rss_mb(), threads, files, nodes, trouble }
+    }
+
+    /// The paths of all output files, those that were there already included, in the nodes' order.
+    fn files(&self, published: Vec<(usize, WrittenFile)>) -> Vec<String> {
+        let mut files = published;
+        for (at, step) in self.plan.steps.iter().enumerate() {
+            if let Some(Step::Keep(entry)) = step {
+                files.extend(entry.files.iter().map(|file| (at, file.clone())));
+            }
+        }
+        files.sort_by(|a, b| (a.0, &a.1.name).cmp(&(b.0, &b.1.name)));
+        let path = |name: &str| self.session.out.join(name).display().to_string();
+        files.iter().map(|(_, file)| path(&file.name)).collect()
+    }
+
+    fn remember(&self) {
+        let (Some(cache), Some(keys)) = (self.options.cache, &self.plan.keys) else { return };
+        let nodes = self.plan.graph.nodes.iter().zip(keys);
+        let nodes: BTreeMap<String, Parts> =
+            nodes.map(|(node, (_, parts))| (node.id.clone(), parts.clone())).collect();
+        cache.remember_run(&self.plan.graph.recipe, &nodes);
+    }
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no message".to_owned());
+    format!("this node has a fault of its own and broke off ({text}); please report it")
+}
