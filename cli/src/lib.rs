@@ -1,1 +1,131 @@
-//! Placeholder.
+//! The `carve` command as a library, so that tests can build it too.
+//!
+//! Results go to standard output; progress, notes and errors to standard error. The exit status is
+//! 0 when done, 1 when a node failed, 2 when the recipe or the call is wrong, 130 when interrupted.
+
+mod arguments;
+mod list;
+mod progress;
+mod run;
+
+use arguments::{Arguments, Command, Job};
+use carvegraph_core::{DiskCache, Diagnostics, Graph, Origin, Recipe, Registry, Setting};
+use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
+use clap::{CommandFactory, Parser};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// How a command ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Exit {
+    Done = 0,
+    NodeFailed = 1,
+    Wrong = 2,
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a command could not be begun: told to the user, exit status 2.
+#[derive(Debug)]
+struct Refusal(String);
+
+impl From<Diagnostics> for Refusal {
+    fn from(faults: Diagnostics) -> Self {
+        Self(faults.to_string())
+    }
+}
+
+/// Runs the command that the process was called with.
+#[must_use]
+pub fn main() -> ExitCode {
+    hush_node_panics();
+    let exit = command(Arguments::parse().command).unwrap_or_else(|Refusal(message)| {
+        complain(message.trim_end());
+        Exit::Wrong
+    });
+    exit.into()
+}
+
+fn command(command: Command) -> Result<Exit, Refusal> {
+    let registry = standard_registry()?;
+    match command {
+        Command::Run(arguments) => return run::run(&arguments, &registry),
+        Command::Check { job } => {
+            let (_, graph) = build(&job, &registry)?;
+            say(&format!("{}: {} nodes, nothing wrong\n", job.recipe, graph.nodes.len()));
+        }
+        Command::Plan { job, only, out, cache, explain } => {
+            let (_, graph) = build(&job, &registry)?;
+            let cache = cache.map(|folder| open_cache(&folder)).transpose()?;
+            say(&list::plan(&graph, &only, &out, cache.as_ref(), explain.as_deref())?);
+        }
+        Command::Nodes { kind: None, json: false } => say(&list::nodes(&registry)),
+        Command::Nodes { kind, json } => say(&list::node(&registry, kind.as_deref(), json)?),
+        Command::Cutters => say(&list::cutters(&registry)),
+        Command::Dialects => say(&list::dialects(&registry)),
+        Command::Graphs { name: None, .. } => say(&list::graphs()?),
+        Command::Graphs { name: Some(name), text } => say(&list::graph(&registry, &name, text)?),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "carve", &mut script);
+            say(&String::from_utf8_lossy(&script));
+        }
+    }
+    Ok(Exit::Done)
+}
+
+/// The nodes, cutters and dialects that `carve` has.
+fn standard_registry() -> Result<Registry, Refusal> {
+    let cutters = Cutters(carvegraph_cutters::standard());
+    let dialects = Dialects(carvegraph_dialects::standard());
+    registry(cutters, dialects).map_err(|fault| Refusal(format!("error: {fault}")))
+}
+
+/// Opens and checks the recipe of a job.
+fn build(job: &Job, registry: &Registry) -> Result<(Recipe, Graph), Refusal> {
+    let here = || Origin::Folder(PathBuf::new());
+    let recipe = LIBRARY.open(&job.recipe, &here())?;
+    let setting = |(name, value): &(String, String)| Setting {
+        name: name.clone(),
+        value: value.clone(),
+        origin: here(),
+    };
+    let settings: Vec<Setting> = job.set.iter().map(setting).collect();
+    let graph = Graph::build(&recipe, &settings, registry, &LIBRARY)?;
+    Ok((recipe, graph))
+}
+
+fn open_cache(folder: &Path) -> Result<DiskCache, Refusal> {
+    DiskCache::open(folder, DiskCache::DEFAULT_MAX_BYTES)
+        .map_err(|fault| Refusal(format!("error: {fault}")))
+}
+
+/// Writes to standard output. A reader that has had enough (`carve nodes | head`) is no fault.
+fn say(text: &str) {
+    let mut out = io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// Writes a line to standard error; there is nowhere else to go if that fails.
+fn complain(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// A node that panics is reported like any other failure, so the usual message is not wanted,
+/// unless somebody asks for it with `RUST_BACKTRACE`.
+fn hush_node_panics() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let thread = std::thread::current();
+        let in_node = thread.name().is_some_and(|name| name.starts_with(carvegraph_core::THREAD_NAME));
+        if !in_node || std::env::var_os("RUST_BACKTRACE").is_some() {
+            usual(panic);
+        }
+    }));
+}

@@ -3,7 +3,6 @@
 use crate::cancel::CancelToken;
 use crate::catalog::Catalogs;
 use crate::files::{FileError, Files, InputFile, OutputName};
-use crate::graph::Graph;
 use crate::node::NodeError;
 use crate::staging::{OutputFile, Staging};
 use serde::{Deserialize, Serialize};
@@ -64,7 +63,6 @@ pub struct Context<'a> {
     pub(crate) catalogs: &'a Catalogs,
     pub(crate) cancel: &'a CancelToken,
     pub(crate) observer: &'a dyn Observer,
-    pub(crate) graph: &'a Graph,
     pub(crate) notes: Mutex<Vec<Note>>,
 }
 
@@ -83,7 +81,7 @@ impl Context<'_> {
     /// If it cannot be made, or another node writes one of the same name.
     pub fn create(&self, name: &OutputName, extension: &str) -> Result<OutputFile<'_>, FileError> {
         let name = name.file_name(self.prefix, extension);
-        self.staging.create(self.index, name, self.cancel, &|at| self.graph.nodes[at].id.clone())
+        self.staging.create(self.index, self.node, name, self.cancel)
     }
 
     /// The name of the picture or part that the work began with.
@@ -136,6 +134,24 @@ impl Context<'_> {
         self.observer.noted(self.node, &note);
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(note);
     }
+}
+
+/// Calls `work` with a context of its own, as a node's test needs one. Files that it writes stay in
+/// temporary files and vanish.
+pub fn with_context<T>(catalogs: &Catalogs, work: impl FnOnce(&Context<'_>) -> T) -> T {
+    let staging = Staging::new(std::env::temp_dir());
+    let cancel = CancelToken::default();
+    work(&Context {
+        index: 0,
+        node: "test",
+        prefix: "test",
+        files: Files { assets: &[] },
+        staging: &staging,
+        catalogs,
+        cancel: &cancel,
+        observer: &(),
+        notes: Mutex::default(),
+    })
 }
 
 /// Progress of one piece of work. Kernels call [`tick`](Self::tick) from any thread.

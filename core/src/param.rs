@@ -59,6 +59,43 @@ pub enum ParamKind {
     OutputName,
 }
 
+/// What values a parameter takes, for a user: "0.1 to 10000 mm", "one of open, closed".
+impl fmt::Display for ParamKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number { dimension, min, max } => {
+                f.write_str("number")?;
+                fmt_range(f, *dimension, *min, *max)
+            }
+            Self::Integer { dimension, min, max, odd } => {
+                f.write_str(if *odd { "odd whole number" } else { "whole number" })?;
+                fmt_range(f, *dimension, *min as f64, *max as f64)
+            }
+            Self::Switch => f.write_str("true or false"),
+            Self::Text => f.write_str("text"),
+            Self::Choice(options) => {
+                let names: Vec<&str> = options.iter().map(|option| option.name).collect();
+                write!(f, "one of {}", names.join(", "))
+            }
+            Self::Catalog(catalog) => write!(f, "a {catalog}'s name (carve {catalog}s)"),
+            Self::InputFile => f.write_str("file to read"),
+            Self::OutputName => f.write_str("name of a file to write"),
+        }
+    }
+}
+
+fn fmt_range(f: &mut fmt::Formatter<'_>, of: Dimension, min: f64, max: f64) -> fmt::Result {
+    let unit = of.base_unit();
+    match (min == f64::MIN_POSITIVE, min.is_finite(), max.is_finite()) {
+        (true, ..) => write!(f, ", more than 0 up to {max}")?,
+        (_, true, true) => write!(f, ", {min} to {max}")?,
+        (_, true, false) => write!(f, ", {min} or more")?,
+        (_, false, true) => write!(f, ", {max} or less")?,
+        (_, false, false) => {}
+    }
+    if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+}
+
 /// The definition of one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParamSpec {
@@ -383,6 +420,8 @@ impl ParamSpec {
         let unit = dimension.base_unit();
         let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
         let wanted = match (min.is_finite(), max.is_finite()) {
+            _ if min == f64::MIN_POSITIVE && value <= 0.0 => format!("more than 0{unit}"),
+            (true, true) if min == f64::MIN_POSITIVE => format!("at most {max}{unit}"),
             (true, true) => format!("between {min} and {max}{unit}"),
             (true, false) => format!("at least {min}{unit}"),
             _ => format!("at most {max}{unit}"),

@@ -147,7 +147,8 @@ impl<'g> Plan<'g> {
         let at = self.graph.find(id).ok_or_else(|| unknown_node(self.graph, id))?;
         let last = cache.and_then(|cache| cache.last_run(&self.graph.recipe)).unwrap_or_default();
         let mut lines = Vec::new();
-        self.explain_node(at, &last, cache.is_some(), &mut lines);
+        let mut told = vec![false; self.graph.nodes.len()];
+        self.explain_node(at, &last, cache.is_some(), &mut told, &mut lines);
         Ok(lines)
     }
 
@@ -156,8 +157,12 @@ impl<'g> Plan<'g> {
         at: usize,
         last: &BTreeMap<String, Parts>,
         has_cache: bool,
+        told: &mut [bool],
         lines: &mut Vec<String>,
     ) {
+        if std::mem::replace(&mut told[at], true) {
+            return;
+        }
         let id = &self.graph.nodes[at].id;
         let doing = match &self.steps[at] {
             None => "is not needed for the wanted outputs".to_owned(),
@@ -190,7 +195,7 @@ impl<'g> Plan<'g> {
                 Some(wire) => {
                     let source = &self.graph.nodes[wire.node].id;
                     lines.push(format!("{id}: {what} changed, since {source} did:"));
-                    self.explain_node(wire.node, last, has_cache, lines);
+                    self.explain_node(wire.node, last, has_cache, told, lines);
                 }
                 None => lines.push(format!("{id}: {what} was {was}, is {state}")),
             }

@@ -24,6 +24,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
+/// What the names of the threads begin with that nodes run on.
+pub const THREAD_NAME: &str = "carve node";
+
 /// How to run a plan.
 #[derive(Clone, Copy)]
 pub struct RunOptions<'a> {
@@ -107,7 +110,7 @@ pub fn run(plan: &Plan<'_>, session: &Session, options: RunOptions<'_>) -> RunRe
     let started = Instant::now();
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
-        .thread_name(|index| format!("carve {index}"))
+        .thread_name(|index| format!("{THREAD_NAME} {index}"))
         .build();
     let runner = Runner::new(plan, session, options);
     let mut threads = 1;
@@ -285,7 +288,6 @@ impl<'a> Runner<'a> {
             catalogs: self.plan.graph.catalogs(),
             cancel: &self.session.cancel,
             observer: self.options.observer,
-            graph: self.plan.graph,
             notes: Mutex::default(),
         }
     }

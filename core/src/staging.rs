@@ -37,7 +37,8 @@ struct Staged {
 pub(crate) struct Staging {
     folder: PathBuf,
     made_folder: Mutex<bool>,
-    taken: Mutex<Vec<(String, usize)>>,
+    /// File names and the nodes that took them.
+    taken: Mutex<Vec<(String, String)>>,
     staged: Mutex<Vec<Staged>>,
     temporaries: Mutex<BTreeSet<PathBuf>>,
 }
@@ -62,15 +63,15 @@ impl Staging {
         }
     }
 
-    /// Begins a file that node number `node` writes. `node_name` gives the name of a node number.
+    /// Begins a file that node number `node`, called `id`, writes.
     pub(crate) fn create<'a>(
         &'a self,
         node: usize,
+        id: &str,
         name: String,
         cancel: &'a CancelToken,
-        node_name: &dyn Fn(usize) -> String,
     ) -> Result<OutputFile<'a>, FileError> {
-        self.take_name(node, &name, node_name)?;
+        self.take_name(&name, id)?;
         self.make_folder()?;
         let temporary = temporary_file()
             .tempfile_in(&self.folder)
@@ -81,20 +82,14 @@ impl Staging {
         Ok(OutputFile { staging: self, node, name, cancel, writer, hasher, bytes: 0 })
     }
 
-    fn take_name(
-        &self,
-        node: usize,
-        name: &str,
-        node_name: &dyn Fn(usize) -> String,
-    ) -> Result<(), FileError> {
+    fn take_name(&self, name: &str, id: &str) -> Result<(), FileError> {
         let mut taken = lock(&self.taken);
         // Names that differ in case only are one file on Windows and macOS.
-        let same = |(known, _): &&(String, usize)| known.to_lowercase() == name.to_lowercase();
+        let same = |(known, _): &&(String, String)| known.to_lowercase() == name.to_lowercase();
         if let Some((_, other)) = taken.iter().find(same) {
-            let (name, other) = (name.to_owned(), node_name(*other));
-            return Err(FileError::Taken { name, other });
+            return Err(FileError::Taken { name: name.to_owned(), other: other.clone() });
         }
-        taken.push((name.to_owned(), node));
+        taken.push((name.to_owned(), id.to_owned()));
         Ok(())
     }
 
@@ -113,11 +108,12 @@ impl Staging {
         &self,
         finished: impl Fn(usize) -> bool,
     ) -> Result<Vec<(usize, WrittenFile)>, FileError> {
-        let mut staged = std::mem::take(&mut *lock(&self.staged));
+        // Held to the end: a program that is told to stop now still gets all files or none.
+        let mut staged = lock(&self.staged);
         staged.retain(|staged| finished(staged.node));
         staged.sort_by(|a, b| (a.node, &a.file.name).cmp(&(b.node, &b.file.name)));
         let mut published = Vec::new();
-        for Staged { node, temporary, file } in staged {
+        for Staged { node, temporary, file } in staged.drain(..) {
             let target = self.folder.join(&file.name);
             temporary.persist(&target).map_err(|fault| cannot_write(&target, fault.error))?;
             published.push((node, file));

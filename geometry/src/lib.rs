@@ -7,18 +7,30 @@
 //! stop, returning `None`, as soon as it answers `false`.
 
 mod bounds;
+mod drop_cutter;
 mod height_field;
+mod link;
 mod mesh;
 mod pattern;
 mod point_cloud;
+mod profile;
+mod raster;
+mod reduce;
+mod stitch;
 mod toolpath;
 
 pub use bounds::Bounds;
+pub use drop_cutter::{Against, drop_on_height_field};
 pub use glam::{DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
+pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;
 pub use pattern::{Pattern, PatternSpan};
 pub use point_cloud::PointCloud;
+pub use profile::{Cutter, Profile, ProfileError, Segment};
+pub use raster::{Raster, RasterStyle};
+pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
+pub use stitch::{StitchError, close_solid, point_cloud, stitch};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
 
 /// Told how many units of work were done since the last call; answers whether to go on.

@@ -1,1 +1,20 @@
-//! Placeholder.
+//! The standard nodes, one file a step, in folders by stage.
+//!
+//! Adding a node: write its file, name it in its folder's `mod.rs` and on the list in
+//! [`registry()`]. Everything else (its help, its checks, its place in the reference) is read off
+//! its definition.
+
+mod library;
+mod output;
+mod path;
+mod picture;
+mod registry;
+mod surface;
+#[cfg(test)]
+mod testing;
+mod values;
+
+pub use carvegraph_sdk::{CutterShape, Dialect};
+pub use library::LIBRARY;
+pub use registry::{Cutters, Dialects, registry};
+pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};

@@ -1,0 +1,7 @@
+//! The `carve` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    carvegraph_cli::main()
+}

@@ -1,0 +1,103 @@
+//! `carve run`.
+
+use crate::arguments::RunArguments;
+use crate::progress::Progress;
+use crate::{Exit, Refusal, build, complain, open_cache, say};
+use carvegraph_core::report::{NodeStatus, RunReport, RunStatus};
+use carvegraph_core::{Cache, Plan, Registry, RunOptions, Session, run as run_plan};
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+/// How long a run may take to stop by itself after Ctrl-C. What still runs then is inside a library
+/// that cannot be interrupted; its temporary files are removed and the program ends at once. With
+/// the time that takes, the user waits no more than a tenth of a second.
+const GRACE: Duration = Duration::from_millis(70);
+
+pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit, Refusal> {
+    let session = Session::new(&arguments.out);
+    stop_on_signal(session.clone())?;
+    let (_, graph) = build(&arguments.job, registry)?;
+    let cache = arguments.cache.as_deref().map(open_cache).transpose()?;
+    let cache: Option<&dyn Cache> = cache.as_ref().map(|cache| cache as &dyn Cache);
+    let plan = Plan::new(&graph, &arguments.only, &arguments.out, cache, &session.cancel);
+    if session.cancel.is_cancelled() {
+        return Ok(Exit::Interrupted);
+    }
+    let plan = plan?;
+    let progress = Progress::new(&plan, arguments.quiet);
+    let threads = arguments.threads.map_or(0, usize::from);
+    let report = run_plan(&plan, &session, RunOptions { threads, cache, observer: &progress });
+    progress.clear();
+    if let Some(path) = &arguments.report {
+        write_report(&report, path)?;
+    }
+    tell(&report, arguments.quiet);
+    Ok(match report.status {
+        RunStatus::Done => Exit::Done,
+        RunStatus::Failed => Exit::NodeFailed,
+        RunStatus::Refused => Exit::Wrong,
+        RunStatus::Interrupted => Exit::Interrupted,
+    })
+}
+
+fn stop_on_signal(session: Session) -> Result<(), Refusal> {
+    let stop = move || {
+        session.cancel.cancel();
+        std::thread::sleep(GRACE);
+        session.abandon();
+        complain("interrupted: nothing was written");
+        std::process::exit(Exit::Interrupted as i32);
+    };
+    ctrlc::set_handler(stop).map_err(|fault| Refusal(format!("error: {fault}")))
+}
+
+/// A report is written whole or not at all, like any other file.
+fn write_report(report: &RunReport, path: &Path) -> Result<(), Refusal> {
+    let fail = |fault: &dyn std::fmt::Display| {
+        Refusal(format!("error: cannot write the report {}: {fault}", path.display()))
+    };
+    let mut text = serde_json::to_vec_pretty(report).map_err(|fault| fail(&fault))?;
+    text.push(b'\n');
+    let aside = path.with_extension("json.part");
+    fs::write(&aside, text)
+        .and_then(|()| fs::rename(&aside, path))
+        .map_err(|fault| fail(&fault))
+}
+
+fn tell(report: &RunReport, quiet: bool) {
+    for (id, node) in &report.nodes {
+        if let (NodeStatus::Failed, Some(reason)) = (node.status, &node.reason) {
+            complain(&format!("error: node {id:?} ({}): {reason}", node.kind));
+        }
+    }
+    if let Some(trouble) = &report.trouble {
+        complain(&format!("error: {trouble}"));
+    }
+    match report.status {
+        RunStatus::Done => {}
+        RunStatus::Failed => {
+            let skipped = report.nodes.iter().filter(|(_, node)| {
+                node.status == NodeStatus::Skipped
+                    && node.reason.as_deref().is_some_and(|reason| reason.starts_with("nothing came"))
+            });
+            let skipped: Vec<&str> = skipped.map(|(id, _)| id.as_str()).collect();
+            if !skipped.is_empty() {
+                complain(&format!("not run, since they needed it: {}", skipped.join(", ")));
+            }
+        }
+        RunStatus::Refused => complain("nothing was written"),
+        RunStatus::Interrupted => complain("interrupted: nothing was written"),
+    }
+    if quiet {
+        return;
+    }
+    let mut text = String::new();
+    for file in &report.files {
+        text.push_str(&format!("{file}\n"));
+    }
+    say(&text);
+    if report.status == RunStatus::Done {
+        complain(&format!("done in {:.2} s", report.wall_s));
+    }
+}

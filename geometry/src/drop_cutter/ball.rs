@@ -1,0 +1,92 @@
+//! The ball nose: closed forms.
+//!
+//! | contact | tip |
+//! |---|---|
+//! | vertex at distance r | z − R + √(R² − r²) |
+//! | facet z = z₀ + a·x + b·y about the axis | z₀ + R·(√(1 + a² + b²) − 1) |
+//! | edge at distance d, z = z₀ + m·s about its foot | z₀ + √(R² − d²)·√(1 + m²) − R |
+//!
+//! The facet is touched R·(a, b)/√(1 + a² + b²) from the axis, the edge √(R² − d²)·m/√(1 + m²) from
+//! its foot; if that is outside, the contact is not on it.
+
+use super::best::Best;
+use super::cell::{Edge, Triangle};
+use super::search::Ground;
+use super::shape::Shape;
+use crate::ContactKind;
+use glam::DVec2;
+
+/// A ball nose of radius R in mm.
+pub(super) struct Ball {
+    pub(super) radius: f64,
+}
+
+impl Ball {
+    /// Drops on a triangle and its edges, but not its vertices. The clearance is convex over the
+    /// plane and least at the plane's contact: if that is outside, the least over the triangle is on
+    /// an edge that it lies beyond.
+    pub(super) fn drop_on_closed_triangle(
+        &self,
+        ground: &Ground,
+        triangle: &Triangle,
+        at: DVec2,
+        best: &mut Best,
+    ) {
+        let steep = (1.0 + triangle.slope.length_squared()).sqrt();
+        let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);
+        if tip <= best.tip {
+            return;
+        }
+        let place = triangle.slope * (self.radius / steep);
+        if triangle.holds(place) {
+            let point = || triangle.point(at, place);
+            return best.raise(tip, ContactKind::Facet, triangle.node, point);
+        }
+        triangle.edges_before(place, |(di, dj), k| {
+            let node = (triangle.node.0 + di, triangle.node.1 + dj);
+            let edge = Edge::new(ground, at, node.0, node.1, k);
+            self.drop_on_edge(&edge, at, node, best);
+        });
+    }
+}
+
+impl Shape for Ball {
+    #[inline]
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    #[inline]
+    fn height(&self, r2: f64) -> f64 {
+        let inside = self.radius * self.radius - r2;
+        if inside >= 0.0 { self.radius - inside.sqrt() } else { f64::INFINITY }
+    }
+
+    #[inline]
+    fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
+        let steep = (1.0 + triangle.slope.length_squared()).sqrt();
+        let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);
+        if tip > best.tip {
+            let place = triangle.slope * (self.radius / steep);
+            if triangle.holds(place) {
+                let point = || triangle.point(at, place);
+                best.raise(tip, ContactKind::Facet, triangle.node, point);
+            }
+        }
+        tip
+    }
+
+    #[inline]
+    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: (usize, usize), best: &mut Best) {
+        let inside = self.radius * self.radius - edge.away2;
+        if inside <= 0.0 {
+            return;
+        }
+        let (rho, steep) = (inside.sqrt(), (1.0 + edge.slope * edge.slope).sqrt());
+        let s = rho * edge.slope / steep;
+        if edge.holds(s) {
+            let tip = edge.foot_z + (rho * steep - self.radius);
+            best.raise(tip, ContactKind::Edge, node, || edge.point(at, s));
+        }
+    }
+}

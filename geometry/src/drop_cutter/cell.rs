@@ -1,0 +1,179 @@
+//! Triangles and edges of a field's mesh, seen from the axis of a cutter.
+//!
+//! Each cell is split along the diagonal from (i, j) to (i + 1, j + 1). Around a node lie six
+//! edges, counter-clockwise from +x, and six triangles: triangle k between edges k and k + 1.
+//!
+//! ```text
+//!        2   1
+//!        | T1/ T0
+//!     T2 |  /
+//!   3 ---node--- 0
+//!      / | T5
+//! T3  /  |
+//!    4   5
+//!      T4
+//! ```
+
+use super::search::Ground;
+use glam::{DVec2, DVec3};
+
+/// Edges around a node: columns and rows to the other end.
+pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
+
+/// The cell of each triangle around a node, relative to it, and whether it is the one above the
+/// cell's diagonal.
+const TRIANGLES: [(isize, isize, bool); 6] =
+    [(0, 0, false), (0, 0, true), (-1, 0, false), (-1, -1, true), (-1, -1, false), (0, -1, true)];
+
+/// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.
+pub(super) struct Triangle {
+    /// Its first node, (i, j).
+    pub(super) node: (usize, usize),
+    /// From the axis to the first node, in mm.
+    pub(super) to_first: DVec2,
+    /// Height of the first node, in mm.
+    pub(super) z0: f64,
+    /// Slope of the plane.
+    pub(super) slope: DVec2,
+    /// Above the diagonal.
+    upper: bool,
+    pitch: f64,
+}
+
+impl Triangle {
+    /// Triangle `k` around node (i, j); `None` beyond the border.
+    #[inline]
+    pub(super) fn around(ground: &Ground, at: DVec2, i: usize, j: usize, k: usize) -> Option<Self> {
+        let (di, dj, upper) = TRIANGLES[k];
+        let (i, j) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
+        if i + 1 >= ground.columns || j + 1 >= ground.rows {
+            return None;
+        }
+        let (z00, z11) = (ground.height(i, j), ground.height(i + 1, j + 1));
+        let rise = if upper {
+            let z01 = ground.height(i, j + 1);
+            DVec2::new(z11 - z01, z01 - z00)
+        } else {
+            let z10 = ground.height(i + 1, j);
+            DVec2::new(z10 - z00, z11 - z10)
+        };
+        let first = DVec2::new(i as f64, j as f64) * ground.pitch;
+        Some(Self {
+            node: (i, j),
+            to_first: first - at,
+            z0: z00,
+            slope: rise / ground.pitch,
+            upper,
+            pitch: ground.pitch,
+        })
+    }
+
+    /// Height of the plane at the axis, in mm.
+    #[inline]
+    pub(super) fn height_at_axis(&self) -> f64 {
+        self.z0 - self.slope.dot(self.to_first)
+    }
+
+    /// Whether a place of the plane, given from the axis, lies in the triangle; its border counts.
+    #[inline]
+    pub(super) fn holds(&self, place: DVec2) -> bool {
+        let DVec2 { x, y } = place - self.to_first;
+        if self.upper {
+            x >= 0.0 && x <= y && y <= self.pitch
+        } else {
+            y >= 0.0 && y <= x && x <= self.pitch
+        }
+    }
+
+    /// The point of the plane at a place given from the axis.
+    #[inline]
+    pub(super) fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
+        (at + place).extend(self.z0 + self.slope.dot(place - self.to_first))
+    }
+
+    /// The edges that a place of the plane lies beyond, each as its first node relative to the
+    /// triangle's, and its way.
+    #[inline]
+    pub(super) fn edges_before(&self, place: DVec2, mut each: impl FnMut((usize, usize), usize)) {
+        let DVec2 { x, y } = place - self.to_first;
+        if self.upper {
+            if x < 0.0 {
+                each((0, 0), 2);
+            }
+            if y > self.pitch {
+                each((0, 1), 0);
+            }
+            if x > y {
+                each((0, 0), 1);
+            }
+        } else {
+            if y < 0.0 {
+                each((0, 0), 0);
+            }
+            if x > self.pitch {
+                each((1, 0), 2);
+            }
+            if y > x {
+                each((0, 0), 1);
+            }
+        }
+    }
+}
+
+/// An edge, seen from the axis: its line as z = foot_z + slope · s, s the way along it in plan from
+/// the foot of the perpendicular from the axis.
+pub(super) struct Edge {
+    /// The ends' s, in mm; the first is less.
+    pub(super) s: [f64; 2],
+    /// Distance of the axis from the line in plan, squared, mm².
+    pub(super) away2: f64,
+    /// Height of the line at its foot, in mm.
+    pub(super) foot_z: f64,
+    /// Rise per mm along s.
+    pub(super) slope: f64,
+    /// From the axis to the first node.
+    to_first: DVec2,
+    direction: DVec2,
+    z0: f64,
+}
+
+impl Edge {
+    /// The edge from node (i, j) the way `k` of [`AROUND`] (0, 1 or 2); its other end must exist.
+    #[inline]
+    pub(super) fn new(ground: &Ground, at: DVec2, i: usize, j: usize, k: usize) -> Self {
+        let (di, dj) = AROUND[k];
+        let (di, dj) = (di as usize, dj as usize);
+        let z0 = ground.height(i, j);
+        let rise = ground.height(i + di, j + dj) - z0;
+        let (length, direction) = if k == 1 {
+            (ground.pitch * std::f64::consts::SQRT_2, DVec2::splat(std::f64::consts::FRAC_1_SQRT_2))
+        } else {
+            (ground.pitch, DVec2::new(di as f64, dj as f64))
+        };
+        let to_first = DVec2::new(i as f64, j as f64) * ground.pitch - at;
+        let (along, across) = (to_first.dot(direction), direction.perp_dot(to_first));
+        let slope = rise / length;
+        Self {
+            s: [along, along + length],
+            away2: across * across,
+            foot_z: z0 - slope * along,
+            slope,
+            to_first,
+            direction,
+            z0,
+        }
+    }
+
+    /// The point of the line at `s`.
+    #[inline]
+    pub(super) fn point(&self, at: DVec2, s: f64) -> DVec3 {
+        let way = s - self.s[0];
+        (at + self.to_first + self.direction * way).extend(self.z0 + self.slope * way)
+    }
+
+    /// Whether `s` lies between the ends.
+    #[inline]
+    pub(super) fn holds(&self, s: f64) -> bool {
+        self.s[0] <= s && s <= self.s[1]
+    }
+}

@@ -1,0 +1,56 @@
+//! The flat end mill: the highest point of the surface within R of the axis.
+//!
+//! That is a vertex, or lies on the rim of the disc: on a facet straight uphill from the axis, on an
+//! edge where it leaves the disc.
+
+use super::best::Best;
+use super::cell::{Edge, Triangle};
+use super::shape::Shape;
+use crate::ContactKind;
+use glam::DVec2;
+
+/// A flat end mill of radius R in mm.
+pub(super) struct Flat {
+    pub(super) radius: f64,
+}
+
+impl Shape for Flat {
+    #[inline]
+    fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    #[inline]
+    fn height(&self, r2: f64) -> f64 {
+        if r2 <= self.radius * self.radius { 0.0 } else { f64::INFINITY }
+    }
+
+    #[inline]
+    fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
+        let steep = triangle.slope.length();
+        let tip = triangle.height_at_axis() + self.radius * steep;
+        if tip > best.tip {
+            // On a level facet every point is as high; the axis is the one to ask for.
+            let uphill = if steep > 0.0 { triangle.slope / steep } else { DVec2::ZERO };
+            let place = uphill * self.radius;
+            if triangle.holds(place) {
+                let point = || triangle.point(at, place);
+                best.raise(tip, ContactKind::Facet, triangle.node, point);
+            }
+        }
+        tip
+    }
+
+    #[inline]
+    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: (usize, usize), best: &mut Best) {
+        let inside = self.radius * self.radius - edge.away2;
+        if inside < 0.0 {
+            return;
+        }
+        let s = inside.sqrt().copysign(edge.slope);
+        if edge.holds(s) {
+            let tip = edge.foot_z + edge.slope * s;
+            best.raise(tip, ContactKind::Edge, node, || edge.point(at, s));
+        }
+    }
+}

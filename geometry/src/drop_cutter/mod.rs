@@ -1,0 +1,36 @@
+//! Drop cutter: lowers a cutter along −Z until it first touches a surface.
+//!
+//! At each place of a pattern the height of the tip is the greatest of z − h(r) over the surface
+//! under the cutter, h the cutter's [`Profile`], r the distance from its axis. Sources: the "ball
+//! drop" of Sood (thesis 2015, chapter 4), and the vertex, facet and edge tests that are the field's
+//! standard, in the formulation of OpenCAMLib by A. Wallin.
+//!
+//! # Method
+//! 1. A pyramid of greatest heights over the field ([`pyramid`]), built once.
+//! 2. The node touched at the neighbouring place gives a height that this place surely reaches.
+//! 3. Branch and bound ([`search`]): blocks that lie below the cutter even so are left out, four
+//!    tested at a time by quick [`gauge`]s.
+//! 4. What remains is tested exactly ([`probes`]), in closed form for balls and flats, by pieces for
+//!    any other profile. The shape is read off the profile's segments, never from a name.
+//!
+//! # Limits
+//! * Exact to rounding: 1e-9 mm for balls and flats, 1e-6 mm and mostly far better for others.
+//! * One height at each node: overhangs need a mesh, not a field.
+//! * Where a cutter lies on a great part of a surface that has its own shape (a ball in a bowl of
+//!   its radius), nothing can be left out and the time per location grows with the shadow.
+
+mod ball;
+mod best;
+mod cell;
+mod flat;
+mod gauge;
+mod general;
+mod on_height_field;
+mod probes;
+mod pyramid;
+mod search;
+mod shape;
+
+#[cfg(doc)]
+use crate::Profile;
+pub use on_height_field::{Against, drop_on_height_field};

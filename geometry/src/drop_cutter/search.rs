@@ -1,0 +1,235 @@
+//! Branch and bound over a field: which nodes can matter to one cutter location.
+//!
+//! From the blocks under the cutter's shadow down to single nodes, whatever a [`Probe`] can show to
+//! stay clear of the cutter at the best height found so far is left out. The bounds are computed
+//! four at a time in f32 on lengths relative to the cutter's radius R, rounded to the safe side;
+//! heights that count are computed by the probe in f64.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | q | pitch / R |
+//! | d² | squared distance in plan between the axis and the nearest node of a block, / R² |
+//! | rise | greatest height of the block − height of the tip, / R |
+
+use super::best::Best;
+use super::pyramid::{FACTOR, Pyramid};
+use crate::{HeightField, Tick};
+use glam::DVec2;
+use wide::f32x4;
+
+/// Relative allowance for f32: distances are lowered by this share of R and of the block's size,
+/// rises are raised by this share. Each is the result of at most five roundings of 6e-8.
+const ROUNDING: f32 = 1e-6;
+
+/// The search starts at the lowest level at which the shadow is at most this many blocks wide.
+/// Found by trial: with fewer, more useless children are looked at; with more, more blocks.
+const TOP_BLOCKS: f64 = 5.0;
+
+/// What is asked of the nodes and blocks in the shadow of a cutter.
+pub(super) trait Probe {
+    /// How far beyond the shadow blocks are looked at, / R.
+    fn reach(&self) -> f64;
+
+    /// How much nearer along each axis than its nodes a block counts, / R.
+    fn margin(&self) -> f64;
+
+    /// Which of four blocks can matter, as bits: `d2` and `rise` as in the module's table, both
+    /// already on the safe side.
+    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32;
+
+    /// Drops the cutter on what belongs to node (i, j).
+    fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best);
+}
+
+/// A field made ready for cutters of one radius.
+pub(super) struct Ground<'a> {
+    pub(super) heights: &'a [f32],
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) pitch: f64,
+    pyramid: Pyramid,
+    radius: f64,
+    /// 1 / R, raised.
+    per_radius: f32,
+    start_level: usize,
+}
+
+impl<'a> Ground<'a> {
+    /// Builds the index. `None` if cancelled.
+    pub(super) fn new(field: &'a HeightField, radius: f64, tick: Tick) -> Option<Self> {
+        let pyramid = Pyramid::build(field, tick)?;
+        let mut start_level = 1;
+        let mut side = FACTOR as f64 * field.pitch_mm();
+        while 2.0 * radius > TOP_BLOCKS * side && start_level < pyramid.top() {
+            start_level += 1;
+            side *= FACTOR as f64;
+        }
+        Some(Self {
+            heights: field.heights(),
+            columns: field.columns(),
+            rows: field.rows(),
+            pitch: field.pitch_mm(),
+            pyramid,
+            radius,
+            per_radius: (1.0 / radius) as f32 * (1.0 + ROUNDING),
+            start_level,
+        })
+    }
+
+    /// Height of node (i, j), in mm.
+    #[inline]
+    pub(super) fn height(&self, i: usize, j: usize) -> f64 {
+        f64::from(self.heights[j * self.columns + i])
+    }
+
+    /// The node nearest to a place.
+    pub(super) fn nearest(&self, at: DVec2) -> (usize, usize) {
+        let along =
+            |x: f64, count: usize| ((x / self.pitch).round().max(0.0) as usize).min(count - 1);
+        (along(at.x, self.columns), along(at.y, self.rows))
+    }
+
+    /// Visits all nodes that can raise `best` for a cutter at `at`. Returns a height, in mm, that
+    /// no node within the probe's reach exceeds.
+    pub(super) fn search<P: Probe>(&self, probe: &P, at: DVec2, best: &mut Best) -> f32 {
+        let level = self.start_level;
+        let side = FACTOR.pow(level as u32) as f64 * self.pitch;
+        let reach = self.radius * (1.0 + probe.reach());
+        let blocks = self.pyramid.level(level);
+        let Some((i0, i1)) = blocks_within(at.x - reach, at.x + reach, side, blocks.columns) else {
+            return f32::NEG_INFINITY;
+        };
+        let Some((j0, j1)) = blocks_within(at.y - reach, at.y + reach, side, blocks.rows) else {
+            return f32::NEG_INFINITY;
+        };
+        let walk = Walk { ground: self, probe, at };
+        let scale = Scale::new(self, probe, level);
+        let mut highest = f32x4::splat(f32::NEG_INFINITY);
+        for j in j0..=j1 {
+            let y2 = walk.row_distance(&scale, j);
+            for i in (i0..=i1).step_by(FACTOR) {
+                let four = blocks.four(i, j);
+                highest = highest.fast_max(four);
+                let mut hits = walk.test(&scale, y2, i, four, best);
+                hits &= (1 << (i1 - i + 1).min(FACTOR)) - 1;
+                while hits != 0 {
+                    let k = hits.trailing_zeros() as usize;
+                    hits &= hits - 1;
+                    walk.descend(level - 1, i + k, j, best);
+                }
+            }
+        }
+        highest.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// The heights of nodes (i, j) to (i + 3, j), −∞ for those beyond the border.
+    #[inline]
+    fn four(&self, i: usize, j: usize) -> f32x4 {
+        let start = j * self.columns + i;
+        if i + FACTOR <= self.columns
+            && let Some(four) = self.heights[start..].first_chunk()
+        {
+            return f32x4::from(*four);
+        }
+        let mut four = [f32::NEG_INFINITY; FACTOR];
+        let row = &self.heights[start..(j + 1) * self.columns];
+        for (to, from) in four.iter_mut().zip(row) {
+            *to = *from;
+        }
+        f32x4::from(four)
+    }
+}
+
+/// First and last of `count` blocks that overlap a range of places.
+fn blocks_within(from: f64, to: f64, side: f64, count: usize) -> Option<(usize, usize)> {
+    // One block more each side would not hurt; rounding can't lose one that matters, because the
+    // margin of the tests is far above it and the range is widened alike.
+    let slack = f64::from(ROUNDING) * side;
+    let (first, last) = (((from - slack) / side).floor(), ((to + slack) / side).floor());
+    let overlaps = last >= 0.0 && first < count as f64;
+    overlaps.then(|| (first.max(0.0) as usize, (last as usize).min(count - 1)))
+}
+
+/// Lengths at one level, / R.
+struct Scale {
+    /// Distance between neighbouring blocks.
+    side: f64,
+    /// Distance between the first and the last node of a block.
+    spread: f32,
+    /// What distances are lowered by.
+    margin: f32,
+}
+
+impl Scale {
+    #[inline]
+    fn new<P: Probe>(ground: &Ground, probe: &P, level: usize) -> Self {
+        let nodes = (1_usize << (2 * level)) as f64;
+        let pitch = ground.pitch / ground.radius;
+        let side = nodes * pitch;
+        let rounding = ROUNDING * (1.0 + FACTOR as f32 * side as f32);
+        let margin = probe.margin() as f32 * (1.0 + ROUNDING) + rounding;
+        Self { side, spread: ((nodes - 1.0) * pitch) as f32, margin }
+    }
+}
+
+struct Walk<'a, P> {
+    ground: &'a Ground<'a>,
+    probe: &'a P,
+    at: DVec2,
+}
+
+impl<P: Probe> Walk<'_, P> {
+    /// Squared distance along y from the axis to the blocks of row `j`.
+    #[inline]
+    fn row_distance(&self, scale: &Scale, j: usize) -> f32 {
+        let low = (j as f64 * scale.side - self.at.y / self.ground.radius) as f32;
+        let y = low.max(-low - scale.spread) - scale.margin;
+        let y = if y > 0.0 { y } else { 0.0 };
+        y * y
+    }
+
+    /// Which of the blocks from `i` on can matter.
+    #[inline]
+    fn test(&self, scale: &Scale, y2: f32, i: usize, highest: f32x4, best: &Best) -> u32 {
+        let first = (i as f64 * scale.side - self.at.x / self.ground.radius) as f32;
+        let side = scale.side as f32;
+        let low = f32x4::splat(first) + f32x4::from([0.0, side, 2.0 * side, 3.0 * side]);
+        let x = low.fast_max(-low - f32x4::splat(scale.spread)) - f32x4::splat(scale.margin);
+        let x = x.fast_max(f32x4::ZERO);
+        let d2 = x * x + f32x4::splat(y2);
+        let rise = (highest - f32x4::splat(best.low)) * f32x4::splat(self.ground.per_radius);
+        self.probe.may_touch(d2, rise)
+    }
+
+    /// Looks at the children, at `level`, of a block of the level above.
+    fn descend(&self, level: usize, i: usize, j: usize, best: &mut Best) {
+        let scale = Scale::new(self.ground, self.probe, level);
+        if level == 0 {
+            return self.descend_to_nodes(&scale, i * FACTOR, j * FACTOR, best);
+        }
+        let blocks = self.ground.pyramid.level(level);
+        let i = i * FACTOR;
+        for j in j * FACTOR..(j * FACTOR + FACTOR).min(blocks.rows) {
+            let y2 = self.row_distance(&scale, j);
+            let mut hits = self.test(&scale, y2, i, blocks.four(i, j), best);
+            while hits != 0 {
+                let k = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                self.descend(level - 1, i + k, j, best);
+            }
+        }
+    }
+
+    #[inline]
+    fn descend_to_nodes(&self, scale: &Scale, i: usize, j: usize, best: &mut Best) {
+        for j in j..(j + FACTOR).min(self.ground.rows) {
+            let y2 = self.row_distance(scale, j);
+            let mut hits = self.test(scale, y2, i, self.ground.four(i, j), best);
+            while hits != 0 {
+                let k = hits.trailing_zeros() as usize;
+                hits &= hits - 1;
+                self.probe.visit(self.ground, self.at, i + k, j, best);
+            }
+        }
+    }
+}

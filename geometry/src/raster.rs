@@ -1,0 +1,310 @@
+//! Parallel lines over a rectangle: where a finishing cutter is dropped.
+//!
+//! Along an axis the lines and points stand on the grid `min + k · step` with k from 0 to
+//! ⌊extent / step⌋, as in Sood, *Novel algorithms for CAD-free machining* (thesis, 2015), section
+//! 4.3: a count of (⌊extent_x / step⌋ + 1)·(⌊extent_y / step⌋ + 1). In any other direction the
+//! lines are clipped to the rectangle and their points start where the line enters it.
+//!
+//! The last line, and the last point of a line, may stay short of the far border by less than a
+//! step.
+
+use crate::{Bounds, Pattern, PatternSpan};
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// Relative slack when counting whole steps: 3.0 / 0.3 is ten of them, though the quotient of the
+/// rounded numbers may fall just short.
+const STEP_SLACK: f64 = 1e-9;
+
+/// A direction this close to an axis, in radians, is that axis: 90° converted to radians and back
+/// is not exact, and over 10 m the difference is 10 nm.
+const AXIS_SLACK_RAD: f64 = 1e-9;
+
+/// Which way the passes go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RasterStyle {
+    /// There and back: each pass starts beside the end of the one before.
+    Zigzag,
+    /// All the same way; the cutter is lifted back.
+    OneWay,
+}
+
+/// Parallel passes over the XY rectangle of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Raster {
+    /// Distance between neighbouring passes, in mm, positive.
+    pub stepover_mm: f64,
+    /// Distance between points along a pass, in mm, positive.
+    pub feed_step_mm: f64,
+    /// Feed direction of the first pass, from +X counter-clockwise, in radians.
+    pub direction_rad: f64,
+    /// Which way the passes go.
+    pub style: RasterStyle,
+}
+
+/// A straight line of points, evenly spaced, in the order they are visited.
+struct Line {
+    first: DVec2,
+    step: DVec2,
+    points: usize,
+}
+
+impl Line {
+    fn point(&self, i: usize) -> DVec2 {
+        self.first + self.step * i as f64
+    }
+
+    fn reversed(self) -> Self {
+        let last = self.points.saturating_sub(1);
+        Self { first: self.point(last), step: -self.step, points: self.points }
+    }
+}
+
+impl Raster {
+    /// How many points the passes of [`Self::pattern`] have: exact along an axis, estimated in
+    /// other directions. Infinite when a step is not a positive number or the area is not finite.
+    #[must_use]
+    pub fn count(&self, area: &Bounds) -> f64 {
+        if !self.is_sound(area) {
+            return f64::INFINITY;
+        }
+        let size = area.size().truncate();
+        if let Some(axis) = self.axis() {
+            let (along, across) = if axis % 2 == 0 { (size.x, size.y) } else { (size.y, size.x) };
+            return (steps(along, self.feed_step_mm) + 1.0)
+                * (steps(across, self.stepover_mm) + 1.0);
+        }
+        let across = across_of(DVec2::from_angle(self.direction_rad));
+        let lines = steps(size.dot(across.abs()), self.stepover_mm) + 1.0;
+        size.x * size.y / (self.stepover_mm * self.feed_step_mm) + lines / 2.0
+    }
+
+    /// The passes over `area`, and for zigzag the links between them. Empty when a step is not a
+    /// positive number or the area is not finite.
+    ///
+    /// Memory grows with [`Self::count`]: look at it first.
+    #[must_use]
+    pub fn pattern(&self, area: &Bounds) -> Pattern {
+        let mut pattern = Pattern { points: Vec::new(), spans: Vec::new() };
+        if !self.is_sound(area) {
+            return pattern;
+        }
+        let lines: Box<dyn Iterator<Item = Line>> = match self.axis() {
+            Some(axis) => Box::new(self.lines_along_axis(area, axis)),
+            None => Box::new(self.lines_across(area)),
+        };
+        for (k, line) in lines.filter(|line| line.points > 0).enumerate() {
+            let back = self.style == RasterStyle::Zigzag && k % 2 == 1;
+            self.add(&mut pattern, if back { line.reversed() } else { line });
+        }
+        pattern
+    }
+
+    fn is_sound(&self, area: &Bounds) -> bool {
+        let step = |s: f64| s.is_finite() && s > 0.0;
+        let size = area.size().truncate();
+        step(self.stepover_mm)
+            && step(self.feed_step_mm)
+            && self.direction_rad.is_finite()
+            && area.min.truncate().is_finite()
+            && size.is_finite()
+            && size.min_element() >= 0.0
+    }
+
+    /// The quarter turns from +X, if the direction is along an axis.
+    fn axis(&self) -> Option<usize> {
+        let quarters = (self.direction_rad / FRAC_PI_2).round();
+        let close = (self.direction_rad - quarters * FRAC_PI_2).abs() <= AXIS_SLACK_RAD;
+        close.then(|| quarters.rem_euclid(4.0) as usize)
+    }
+
+    fn lines_along_axis(&self, area: &Bounds, axis: usize) -> impl Iterator<Item = Line> {
+        let size = area.size().truncate();
+        let min = area.min.truncate();
+        let (feed, across) =
+            if axis.is_multiple_of(2) { (DVec2::X, DVec2::Y) } else { (DVec2::Y, DVec2::X) };
+        let points = steps(size.dot(feed), self.feed_step_mm) as usize + 1;
+        let lines = steps(size.dot(across), self.stepover_mm) as usize + 1;
+        let (feed_step, stepover) = (self.feed_step_mm, self.stepover_mm);
+        (0..lines).map(move |k| {
+            let first = min + across * (k as f64 * stepover);
+            let line = Line { first, step: feed * feed_step, points };
+            if axis >= 2 { line.reversed() } else { line }
+        })
+    }
+
+    fn lines_across(&self, area: &Bounds) -> impl Iterator<Item = Line> {
+        let feed = DVec2::from_angle(self.direction_rad);
+        let across = across_of(feed);
+        let (min, max) = (area.min.truncate(), area.max.truncate());
+        let size = max - min;
+        // The corner where the lines begin: the least across of the four.
+        let corner = DVec2::new(
+            if across.x >= 0.0 { min.x } else { max.x },
+            if across.y >= 0.0 { min.y } else { max.y },
+        );
+        let lines = steps(size.dot(across.abs()), self.stepover_mm) as usize + 1;
+        let (feed_step, stepover) = (self.feed_step_mm, self.stepover_mm);
+        (0..lines).map(move |k| {
+            let on_line = corner + across * (k as f64 * stepover);
+            let (enter, leave) = clip(on_line, feed, min, max);
+            let points =
+                if leave >= enter { steps(leave - enter, feed_step) as usize + 1 } else { 0 };
+            let first = (on_line + feed * enter).clamp(min, max);
+            Line { first, step: feed * feed_step, points }
+        })
+    }
+
+    fn add(&self, pattern: &mut Pattern, line: Line) {
+        let joined = self.style == RasterStyle::Zigzag && !pattern.points.is_empty();
+        if let (true, Some(&from)) = (joined, pattern.points.last()) {
+            self.add_link(pattern, from, line.first);
+        }
+        let start = pattern.points.len();
+        pattern.points.extend((0..line.points).map(|i| line.point(i)));
+        let points = start..pattern.points.len();
+        pattern.spans.push(PatternSpan { points, link: false, joined });
+    }
+
+    /// Points between two passes, so that the cutter stays on the surface on its way over.
+    fn add_link(&self, pattern: &mut Pattern, from: DVec2, to: DVec2) {
+        let parts = (from.distance(to) / self.feed_step_mm * (1.0 - STEP_SLACK)).ceil() as usize;
+        if parts < 2 {
+            return;
+        }
+        let start = pattern.points.len();
+        pattern.points.extend((1..parts).map(|k| from.lerp(to, k as f64 / parts as f64)));
+        let points = start..pattern.points.len();
+        pattern.spans.push(PatternSpan { points, link: true, joined: true });
+    }
+}
+
+/// Whole steps in an extent.
+fn steps(extent: f64, step: f64) -> f64 {
+    (extent / step * (1.0 + STEP_SLACK)).floor().max(0.0)
+}
+
+/// The normal to the feed direction that points away from the corner of least coordinates.
+fn across_of(feed: DVec2) -> DVec2 {
+    let left = feed.perp();
+    if left.x + left.y >= 0.0 { left } else { -left }
+}
+
+/// Where the line `origin + t · direction` enters and leaves a rectangle (t, mm); leaves before it
+/// enters if it misses. The direction is along no axis.
+fn clip(origin: DVec2, direction: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
+    let a = (min - origin) / direction;
+    let b = (max - origin) / direction;
+    (a.min(b).max_element(), a.max(b).min_element())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn area(x: f64, y: f64) -> Bounds {
+        Bounds { min: DVec3::new(1.0, -2.0, 0.0), max: DVec3::new(1.0 + x, y - 2.0, 5.0) }
+    }
+
+    fn raster(direction_rad: f64, style: RasterStyle) -> Raster {
+        Raster { stepover_mm: 0.3, feed_step_mm: 0.3, direction_rad, style }
+    }
+
+    #[test]
+    fn whole_steps_survive_rounding() {
+        let grid = raster(0.0, RasterStyle::OneWay);
+        assert_eq!(grid.count(&area(3.0, 0.9)), 11.0 * 4.0);
+        assert_eq!(grid.pattern(&area(3.0, 0.9)).points.len(), 44);
+    }
+
+    #[test]
+    fn counts_of_the_source_are_reproduced() {
+        let cases =
+            [(480, 480, 456_976), (1104, 1392, 363_549), (1024, 640, 286_371), (618, 328, 242_684)];
+        for (columns, rows, expected) in cases {
+            let pitch = (203.0 / f64::from(columns)).min(203.0 / f64::from(rows));
+            let (x, y) = (f64::from(columns - 1) * pitch, f64::from(rows - 1) * pitch);
+            for direction in [0.0, FRAC_PI_2, 90_f64.to_radians(), -FRAC_PI_2] {
+                let grid = raster(direction, RasterStyle::Zigzag);
+                let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(x, y, 5.0) };
+                assert_eq!(grid.count(&bounds), f64::from(expected));
+                let pattern = grid.pattern(&bounds);
+                let on_passes: usize =
+                    pattern.spans.iter().filter(|s| !s.link).map(|s| s.points.len()).sum();
+                assert_eq!(on_passes, expected as usize);
+            }
+        }
+    }
+
+    #[test]
+    fn zigzag_alternates_and_links() {
+        let grid =
+            Raster { stepover_mm: 1.0, feed_step_mm: 0.4, ..raster(0.0, RasterStyle::Zigzag) };
+        let pattern = grid.pattern(&area(4.0, 2.0));
+        let kinds: Vec<_> = pattern.spans.iter().map(|s| (s.link, s.joined)).collect();
+        let (first, pass, link) = ((false, false), (false, true), (true, true));
+        assert_eq!(kinds, [first, link, pass, link, pass]);
+        let ends: Vec<_> =
+            pattern.spans.iter().map(|s| pattern.points[s.points.end - 1].x).collect();
+        assert_eq!(ends, [5.0, 5.0, 1.0, 1.0, 5.0]);
+        for pair in pattern.points.windows(2) {
+            assert!(pair[0].distance(pair[1]) < 0.4 + 1e-12);
+        }
+    }
+
+    #[test]
+    fn one_way_passes_are_not_joined() {
+        let pattern = raster(0.0, RasterStyle::OneWay).pattern(&area(3.0, 3.0));
+        assert!(pattern.spans.iter().all(|s| !s.joined && !s.link));
+        assert!(pattern.spans.iter().all(|s| pattern.points[s.points.start].x == 1.0));
+    }
+
+    #[test]
+    fn backward_directions_start_at_the_far_end() {
+        let pattern = raster(std::f64::consts::PI, RasterStyle::OneWay).pattern(&area(3.0, 3.0));
+        assert!((pattern.points[0].x - 4.0).abs() < 1e-12);
+        assert_eq!(pattern.points[0].y, -2.0);
+    }
+
+    #[test]
+    fn slanted_lines_stay_inside_and_cover() {
+        for degrees in [1.0, 30.0, 45.0, 60.0, 89.0, 100.0, 200.0, 300.0_f64] {
+            let grid = raster(degrees.to_radians(), RasterStyle::Zigzag);
+            let bounds = area(7.0, 5.0);
+            let pattern = grid.pattern(&bounds);
+            let (min, max) = (bounds.min.truncate(), bounds.max.truncate());
+            for p in &pattern.points {
+                assert!(p.cmpge(min - 1e-9).all() && p.cmple(max + 1e-9).all(), "{p}");
+            }
+            // Every place in the area is within a step both ways of a point.
+            for (fx, fy) in [(0.1, 0.1), (0.5, 0.5), (0.9, 0.2), (0.3, 0.95)] {
+                let place = min + (max - min) * DVec2::new(fx, fy);
+                let nearest =
+                    pattern.points.iter().map(|p| p.distance(place)).fold(f64::MAX, f64::min);
+                assert!(nearest < 0.3, "{degrees}: {nearest}");
+            }
+            let passes: usize =
+                pattern.spans.iter().filter(|s| !s.link).map(|s| s.points.len()).sum();
+            let estimate = grid.count(&bounds);
+            assert!((passes as f64 / estimate - 1.0).abs() < 0.05, "{passes} {estimate}");
+            assert!(pattern.spans.iter().all(|s| !s.points.is_empty()));
+        }
+    }
+
+    #[test]
+    fn impossible_steps_make_nothing() {
+        for step in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let grid = Raster { stepover_mm: step, ..raster(0.0, RasterStyle::Zigzag) };
+            assert_eq!(grid.count(&area(3.0, 3.0)), f64::INFINITY);
+            assert!(grid.pattern(&area(3.0, 3.0)).points.is_empty());
+        }
+    }
+
+    #[test]
+    fn a_point_is_an_area() {
+        let pattern = raster(0.3, RasterStyle::Zigzag).pattern(&area(0.0, 0.0));
+        assert_eq!(pattern.points, [DVec2::new(1.0, -2.0)]);
+    }
+}

@@ -1,0 +1,182 @@
+//! The slow truth: every triangle, edge and vertex, by formulas other than the kernels'.
+
+use carvegraph_geometry::{Against, DVec2, DVec3, HeightField, Profile};
+
+/// Greatest tip at `at`, −∞ without contact.
+pub fn drop(field: &HeightField, against: Against, profile: &Profile, at: DVec2) -> f64 {
+    let mut best = f64::NEG_INFINITY;
+    for j in 0..field.rows() {
+        for i in 0..field.columns() {
+            let node = field.point(i, j);
+            best = best.max(node.z - profile.height(node.truncate().distance(at)));
+        }
+    }
+    if against == Against::Points {
+        return best;
+    }
+    for j in 0..field.rows() - 1 {
+        for i in 0..field.columns() - 1 {
+            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+                .map(|(i, j)| field.point(i, j) - at.extend(0.0));
+            for corners in [[a, b, c], [a, c, d]] {
+                best = best.max(on_triangle(profile, corners, best));
+            }
+        }
+    }
+    best
+}
+
+/// The same for a triangle, given from the axis; −∞ if it obviously lies too low or too far.
+fn on_triangle(profile: &Profile, corners: [DVec3; 3], best: f64) -> f64 {
+    let radius = profile.radius_mm();
+    let [a, b, c] = corners;
+    let nearest = nearest_to_axis(corners) * (1.0 - 1e-9);
+    if nearest > radius || a.z.max(b.z).max(c.z) - profile.height(nearest) < best - 1e-9 {
+        return f64::NEG_INFINITY;
+    }
+    if *profile == Profile::ball(radius).unwrap() {
+        ball_on_triangle(radius, corners)
+    } else if *profile == Profile::flat(radius).unwrap() {
+        disc_on_triangle(radius, corners)
+    } else {
+        any_on_triangle(profile, corners)
+    }
+}
+
+/// Distance of a triangle from the axis in plan.
+fn nearest_to_axis(corners: [DVec3; 3]) -> f64 {
+    if holds(corners, DVec2::ZERO) {
+        return 0.0;
+    }
+    let edges = [(0, 1), (1, 2), (2, 0)];
+    let distance = |(a, b): (usize, usize)| {
+        let (a, b) = (corners[a].truncate(), corners[b].truncate());
+        let t = (-a.dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        a.lerp(b, t).length()
+    };
+    edges.map(distance).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+fn holds([a, b, c]: [DVec3; 3], place: DVec2) -> bool {
+    let side = |a: DVec3, b: DVec3| (b - a).truncate().perp_dot(place - a.truncate());
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
+}
+
+/// A sphere of radius R lowered along z: its centre is R off the plane along the unit normal, or R
+/// off the line of an edge: a quadratic equation in the centre's height.
+fn ball_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a).normalize();
+    let mut best = f64::NEG_INFINITY;
+    // Plane: normal · (center − a) = R.
+    let center_z = (radius + normal.dot(a)) / normal.z;
+    let touch = DVec3::new(0.0, 0.0, center_z) - normal * radius;
+    if holds(corners, touch.truncate()) {
+        best = center_z - radius;
+    }
+    for (a, b) in [(a, b), (b, c), (c, a)] {
+        // |(center − a) × u|² = R² for the center (0, 0, z).
+        let u = (b - a).normalize();
+        let (p, q) = ((DVec3::ZERO - a).cross(u), DVec3::Z.cross(u));
+        let (qa, qb, qc) = (q.dot(q), 2.0 * p.dot(q), p.dot(p) - radius * radius);
+        let root = qb * qb - 4.0 * qa * qc;
+        if root < 0.0 {
+            continue;
+        }
+        let z = (-qb + root.sqrt()) / (2.0 * qa);
+        let t = (DVec3::new(0.0, 0.0, z) - a).dot(u);
+        if t >= 0.0 && t <= a.distance(b) {
+            best = best.max(z - radius);
+        }
+    }
+    best
+}
+
+/// The highest point of a triangle within a disc: on the disc's rim where the plane is highest if
+/// that is inside, or on an edge clipped to the disc.
+fn disc_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let uphill = (-normal.truncate() / normal.z).normalize_or_zero();
+    let mut best = f64::NEG_INFINITY;
+    let place = uphill * radius;
+    if holds(corners, place) {
+        best = a.z - normal.truncate().dot(place - a.truncate()) / normal.z;
+    }
+    for (a, b) in [(a, b), (b, c), (c, a)] {
+        let (p, d) = (a.truncate(), (b - a).truncate());
+        let (qa, qb, qc) = (d.dot(d), 2.0 * p.dot(d), p.dot(p) - radius * radius);
+        let root = qb * qb - 4.0 * qa * qc;
+        if root < 0.0 {
+            continue;
+        }
+        for t in [(-qb - root.sqrt()) / (2.0 * qa), (-qb + root.sqrt()) / (2.0 * qa)] {
+            if (0.0..=1.0).contains(&t) {
+                best = best.max(a.z + t * (b.z - a.z));
+            }
+        }
+    }
+    best
+}
+
+/// Along the way uphill from the axis (where the greatest z − h(r) over a plane is) and along the
+/// edges, by sampling and refinement.
+fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let normal = (b - a).cross(c - a);
+    let gradient = -normal.truncate() / normal.z;
+    let height = |place: DVec2| a.z + gradient.dot(place - a.truncate());
+    let uphill = gradient.normalize_or_zero() * profile.radius_mm();
+    let clear = |place: DVec2| {
+        if holds(corners, place) {
+            height(place) - profile.height(place.length())
+        } else {
+            f64::NEG_INFINITY
+        }
+    };
+    let mut best = maximum(|t| clear(uphill * t));
+    for (a, b) in [(a, b), (b, c), (c, a)] {
+        best = best.max(maximum(|t| {
+            let p = a.lerp(b, t);
+            p.z - profile.height(p.truncate().length())
+        }));
+    }
+    best
+}
+
+/// Greatest value of a function over 0 ..= 1 that has few humps.
+fn maximum(f: impl Fn(f64) -> f64) -> f64 {
+    const SAMPLES: usize = 400;
+    let at = |k: usize| f(k as f64 / SAMPLES as f64);
+    let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
+    let mut best = f64::NEG_INFINITY;
+    for k in 0..=SAMPLES {
+        let neighbours = [k.saturating_sub(1), (k + 1).min(SAMPLES)];
+        if values[k] > f64::NEG_INFINITY && neighbours.iter().all(|&n| values[n] <= values[k]) {
+            let [low, high] = neighbours.map(|n| n as f64 / SAMPLES as f64);
+            best = best.max(values[k]).max(climb(&f, low, high));
+        }
+    }
+    best
+}
+
+/// Golden section, sixty steps; a jump to −∞ is only a border.
+fn climb(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let mut best = f64::NEG_INFINITY;
+    for _ in 0..80 {
+        let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+        let (fa, fb) = (f(a), f(b));
+        best = best.max(fa).max(fb);
+        // Of two places without contact the border's side is not known: shrink toward the middle.
+        if fa == f64::NEG_INFINITY && fb == f64::NEG_INFINITY {
+            (low, high) = (low + (high - low) * 0.05, high - (high - low) * 0.05);
+        } else if fa > fb {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    best
+}

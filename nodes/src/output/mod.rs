@@ -1,0 +1,15 @@
+//! Outputs: programs, models, pictures, words.
+
+mod post;
+mod preview;
+mod save_gcode;
+mod save_points;
+mod save_stl;
+mod summary;
+
+pub(crate) use post::Post;
+pub(crate) use preview::Preview;
+pub(crate) use save_gcode::SaveGcode;
+pub(crate) use save_points::SavePoints;
+pub(crate) use save_stl::SaveStl;
+pub(crate) use summary::Summary;

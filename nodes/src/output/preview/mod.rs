@@ -1,0 +1,57 @@
+//! A picture of the work: the carved plaque, or the path of the cutter.
+
+mod color;
+mod horizon;
+mod render;
+mod resample;
+mod wood;
+
+use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
+use carvegraph_geometry::{HeightField, Toolpath};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
+
+/// Draws the surface as a carved plaque or, if a path is connected, the path above it.
+#[derive(Clone, Debug, Params)]
+pub(crate) struct Preview {
+    /// The file's name without its extension; {prefix} stands for the input's name.
+    #[param(default = "{prefix}")]
+    pub(crate) name: OutputName,
+    /// The longer side of the picture.
+    #[param(unit = "px", default = 1200, range = 16..=8192)]
+    pub(crate) size: u32,
+}
+
+#[derive(Inputs)]
+pub(crate) struct Scene<'a> {
+    /// The surface.
+    surface: &'a HeightField,
+    /// The path to draw.
+    toolpath: Option<&'a Toolpath>,
+}
+
+impl Node for Preview {
+    const KIND: &'static str = "preview";
+    type Inputs<'a> = Scene<'a>;
+    type Outputs = ();
+
+    fn run(&self, inputs: Scene<'_>, cx: &Context<'_>) -> Result<(), NodeError> {
+        let ticker = cx.ticker(render::SURFACE_WORK);
+        let picture = render::render_surface(inputs.surface, self.size, &|n| ticker.tick(n));
+        self.save(&cx.completed(picture)?, cx)
+    }
+}
+
+impl Preview {
+    fn save(&self, picture: &RgbImage, cx: &Context<'_>) -> Result<(), NodeError> {
+        let mut file = cx.create(&self.name, "png")?;
+        PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
+            .write_image(picture, picture.width(), picture.height(), ExtendedColorType::Rgb8)
+            .map_err(|fault| match cx.is_cancelled() {
+                true => NodeError::Cancelled,
+                false => NodeError::failed(fault),
+            })?;
+        file.finish()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,13 @@
+//! Paths: where a cutter goes.
+
+mod cutter;
+mod drop_cutter;
+mod link;
+mod raster;
+mod reduce_cl;
+
+pub(crate) use cutter::CutterNode;
+pub(crate) use drop_cutter::DropCutter;
+pub(crate) use link::Link;
+pub(crate) use raster::RasterNode;
+pub(crate) use reduce_cl::ReduceCl;

@@ -1,0 +1,217 @@
+//! The one list of nodes, the one list of what passes between them, and the catalogs they use.
+
+use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
+use crate::{output, path, picture, surface};
+use carvegraph_core::{Catalogs, Facts, NodeKind, PortType, Registry, RegistryError};
+use carvegraph_geometry::{
+    Bounds, Cutter, HeightField, Mesh, Pattern, PointCloud, Reduction, SpanKind, Toolpath,
+};
+use carvegraph_sdk::{CutterShape, Dialect};
+use serde_json::{Value as Json, json};
+use std::mem::size_of;
+
+/// The cutter shapes that the program knows.
+pub struct Cutters(pub Vec<Box<dyn CutterShape>>);
+
+/// The dialects that the program knows.
+pub struct Dialects(pub Vec<Box<dyn Dialect>>);
+
+impl Cutters {
+    /// The shape called `name`.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<&dyn CutterShape> {
+        self.0.iter().find(|shape| shape.name() == name).map(AsRef::as_ref)
+    }
+}
+
+impl Dialects {
+    /// The dialect called `name`.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<&dyn Dialect> {
+        self.0.iter().find(|dialect| dialect.name() == name).map(AsRef::as_ref)
+    }
+}
+
+/// The standard nodes, with these cutters and dialects to choose from.
+///
+/// # Errors
+/// If the lists below are not in order: a fault in this file.
+pub fn registry(cutters: Cutters, dialects: Dialects) -> Result<Registry, RegistryError> {
+    let version = || env!("CARGO_PKG_VERSION").to_owned();
+    let names: Vec<_> = cutters.0.iter().map(|c| (c.name().to_owned(), version())).collect();
+    let catalogs = Catalogs::default().with("cutter", names, cutters);
+    let names: Vec<_> = dialects.0.iter().map(|d| (d.name().to_owned(), version())).collect();
+    let catalogs = catalogs.with("dialect", names, dialects);
+    Registry::new(kinds(), types(), catalogs)
+}
+
+/// Every node, sorted by name.
+fn kinds() -> Vec<NodeKind> {
+    vec![
+        NodeKind::of::<path::CutterNode>("path"),
+        NodeKind::of::<path::DropCutter>("path"),
+        NodeKind::of::<picture::GaussianBlur>("picture"),
+        NodeKind::of::<picture::Grayscale>("picture"),
+        NodeKind::of::<path::Link>("path"),
+        NodeKind::of::<picture::LoadImage>("picture"),
+        NodeKind::of::<surface::PointCloudNode>("surface"),
+        NodeKind::of::<output::Post>("output"),
+        NodeKind::of::<output::Preview>("output"),
+        NodeKind::of::<path::RasterNode>("path"),
+        NodeKind::of::<path::ReduceCl>("path"),
+        NodeKind::of::<output::SaveGcode>("output"),
+        NodeKind::of::<output::SavePoints>("output"),
+        NodeKind::of::<output::SaveStl>("output"),
+        NodeKind::of::<surface::Stitch>("surface"),
+        NodeKind::of::<output::Summary>("output"),
+        NodeKind::of::<surface::ZMap>("surface"),
+    ]
+}
+
+/// Every type that passes between nodes: its facts and about how many bytes one takes.
+fn types() -> Vec<PortType> {
+    vec![
+        PortType::of("bounds", "The box that holds a part", bounds_facts, |_: &Bounds| {
+            size_of::<Bounds>()
+        }),
+        PortType::of("cutter", "A cutter's shape and size", cutter_facts, |cutter: &Cutter| {
+            cutter.profile.segments().len() * 48
+        }),
+        PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.text.len()),
+        PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {
+            image.values.len() * 4
+        }),
+        PortType::of(
+            "height_field",
+            "A surface with one height above each node of a grid",
+            field_facts,
+            |field: &HeightField| field.heights().len() * 4,
+        ),
+        PortType::of("image", "A picture as it was loaded", image_facts, image_bytes),
+        PortType::of("mesh", "A surface of triangles", mesh_facts, |mesh: &Mesh| {
+            mesh.vertices.len() * 24 + mesh.triangles.len() * 12
+        }),
+        PortType::of(
+            "pattern",
+            "Lines over the plane, along which a cutter is to be dropped",
+            pattern_facts,
+            |pattern: &Pattern| pattern.points.len() * 16,
+        ),
+        PortType::of("point_cloud", "Points in space", cloud_facts, |cloud: &PointCloud| {
+            cloud.points.len() * 24
+        }),
+        PortType::of(
+            "reduction",
+            "What taking points out of a path did to it",
+            reduction_facts,
+            |_: &Reduction| size_of::<Reduction>(),
+        ),
+        PortType::of("remark", "A choice that a node made by itself", remark_facts, |r: &Remark| {
+            r.text.len()
+        }),
+        PortType::of("toolpath", "A path of the cutter's tip", path_facts, |path: &Toolpath| {
+            path.tips.len() * (24 + 32) + path.spans.len() * 24
+        }),
+    ]
+}
+
+fn facts<const N: usize>(facts: [(&'static str, Json); N]) -> Facts {
+    facts.into_iter().collect()
+}
+
+fn bounds_facts(bounds: &Bounds) -> Facts {
+    let corner = |corner: carvegraph_geometry::DVec3| json!([corner.x, corner.y, corner.z]);
+    facts([("min_mm", corner(bounds.min)), ("max_mm", corner(bounds.max))])
+}
+
+fn cutter_facts(cutter: &Cutter) -> Facts {
+    facts([
+        ("shape", json!(cutter.name)),
+        ("diameter_mm", json!(2.0 * cutter.profile.radius_mm())),
+    ])
+}
+
+fn gcode_facts(code: &Gcode) -> Facts {
+    facts([
+        ("lines", json!(code.lines())),
+        ("bytes", json!(code.text.len())),
+        ("dialect", json!(code.dialect)),
+    ])
+}
+
+fn picture_facts(width: usize, height: usize, channels: usize, bits: u32) -> Facts {
+    facts([
+        ("width", json!(width)),
+        ("height", json!(height)),
+        ("channels", json!(channels)),
+        ("bits", json!(bits)),
+    ])
+}
+
+fn gray_facts(image: &GrayImage) -> Facts {
+    picture_facts(image.width, image.height, 1, 32)
+}
+
+fn image_facts(image: &Image) -> Facts {
+    picture_facts(image.width, image.height, image.channels.count(), image.bits())
+}
+
+fn image_bytes(image: &Image) -> usize {
+    match &image.samples {
+        Samples::U8(samples) => samples.len(),
+        Samples::U16(samples) => samples.len() * 2,
+        Samples::F32(samples) => samples.len() * 4,
+    }
+}
+
+fn field_facts(field: &HeightField) -> Facts {
+    let bounds = field.bounds();
+    let size = bounds.size();
+    facts([
+        ("columns", json!(field.columns())),
+        ("rows", json!(field.rows())),
+        ("pitch_mm", json!(field.pitch_mm())),
+        ("width_mm", json!(size.x)),
+        ("height_mm", json!(size.y)),
+        ("z_min", json!(bounds.min.z)),
+        ("z_max", json!(bounds.max.z)),
+    ])
+}
+
+fn mesh_facts(mesh: &Mesh) -> Facts {
+    facts([("vertices", json!(mesh.vertices.len())), ("triangles", json!(mesh.triangles.len()))])
+}
+
+fn pattern_facts(pattern: &Pattern) -> Facts {
+    let passes = pattern.spans.iter().filter(|span| !span.link);
+    let points: usize = passes.clone().map(|span| span.points.len()).sum();
+    facts([("points", json!(points)), ("passes", json!(passes.count()))])
+}
+
+fn cloud_facts(cloud: &PointCloud) -> Facts {
+    facts([("points", json!(cloud.points.len()))])
+}
+
+fn reduction_facts(reduction: &Reduction) -> Facts {
+    facts([
+        ("points_in", json!(reduction.points_in)),
+        ("points_out", json!(reduction.points_out)),
+        ("max_deviation_mm", json!(reduction.max_deviation_mm)),
+        ("max_above_mm", json!(reduction.max_above_mm)),
+        ("max_below_mm", json!(reduction.max_below_mm)),
+    ])
+}
+
+fn remark_facts(remark: &Remark) -> Facts {
+    facts([("text", json!(remark.text))])
+}
+
+fn path_facts(path: &Toolpath) -> Facts {
+    facts([
+        ("cl_points", json!(path.cl_points())),
+        ("passes", json!(path.passes())),
+        ("feed_length_mm", json!(path.length_mm(|kind| kind != SpanKind::Rapid))),
+        ("rapid_length_mm", json!(path.length_mm(|kind| kind == SpanKind::Rapid))),
+        ("time_s", json!(path.time_at_full_speed_s())),
+    ])
+}

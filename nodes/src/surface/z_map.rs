@@ -1,0 +1,175 @@
+//! A gray picture becomes a surface of a given size.
+//!
+//! Z = (I - I_min)·(Z_max - Z_min)/(I_max - I_min) + Z_min over the whole picture (Sood 2015,
+//! equation 3.3; the paper of 2018 prints I - Z_min, a misprint). The pitch is the canvas over the
+//! number of *pixels*, the smaller of both ways so that the picture fits and keeps its proportions:
+//! p = min(canvas width / columns, canvas height / rows). The surface spans one pitch less than the
+//! canvas, from the middle of the first pixel to the middle of the last. The picture's top row is
+//! the far edge (greatest y).
+
+use crate::values::GrayImage;
+use carvegraph_core::{Conflict, Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_geometry::{Bounds, HeightField};
+use rayon::prelude::*;
+
+/// Turns brightness into height and fits the picture to a canvas.
+#[derive(Clone, Debug, Params)]
+pub(crate) struct ZMap {
+    /// Width that the picture may take (x).
+    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
+    pub(crate) canvas_width: f64,
+    /// Height that the picture may take (y).
+    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
+    pub(crate) canvas_height: f64,
+    /// Height of the darkest pixel.
+    #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
+    pub(crate) z_min: f64,
+    /// Height of the brightest pixel.
+    #[param(unit = "mm", default = 5.0, range = -1000.0..=1000.0)]
+    pub(crate) z_max: f64,
+}
+
+#[derive(Inputs)]
+pub(crate) struct Brightness<'a> {
+    /// The picture.
+    image: &'a GrayImage,
+}
+
+#[derive(Outputs)]
+pub(crate) struct Mapped {
+    /// The surface; its near left corner is the origin.
+    surface: HeightField,
+    /// The box that holds it.
+    bounds: Bounds,
+}
+
+impl Node for ZMap {
+    const KIND: &'static str = "z_map";
+    type Inputs<'a> = Brightness<'a>;
+    type Outputs = Mapped;
+
+    fn check(&self) -> Result<(), Conflict> {
+        if self.z_min < self.z_max {
+            return Ok(());
+        }
+        let message = format!("z_max ({} mm) must be above z_min ({} mm)", self.z_max, self.z_min);
+        Err(Conflict { param: "z_max", message })
+    }
+
+    fn run(&self, inputs: Brightness<'_>, cx: &Context<'_>) -> Result<Mapped, NodeError> {
+        let image = inputs.image;
+        let (columns, rows) = (image.width, image.height);
+        if columns < 2 || rows < 2 {
+            return Err(NodeError::Failed(format!(
+                "a picture of {columns} × {rows} px makes no surface: it needs 2 × 2 px at least"
+            )));
+        }
+        let (dark, bright) = image.values.par_iter().map(|value| (*value, *value)).reduce(
+            || (f32::INFINITY, f32::NEG_INFINITY),
+            |a, b| (a.0.min(b.0), a.1.max(b.1)),
+        );
+        if dark == bright {
+            cx.warn(format!(
+                "the picture is one even gray: the surface is flat, at z_min = {} mm",
+                self.z_min
+            ));
+        }
+        let heights = self.heights(image, f64::from(dark), f64::from(bright), cx)?;
+        let pitch = (self.canvas_width / columns as f64).min(self.canvas_height / rows as f64);
+        let surface = HeightField::new(columns, rows, pitch, heights).map_err(NodeError::failed)?;
+        let bounds = surface.bounds();
+        Ok(Mapped { surface, bounds })
+    }
+}
+
+impl ZMap {
+    fn heights(
+        &self,
+        image: &GrayImage,
+        dark: f64,
+        bright: f64,
+        cx: &Context<'_>,
+    ) -> Result<Vec<f32>, NodeError> {
+        let scale = if bright > dark { (self.z_max - self.z_min) / (bright - dark) } else { 0.0 };
+        let columns = image.width;
+        let ticker = cx.ticker(image.height);
+        let mut heights = vec![0.0; image.values.len()];
+        heights
+            .par_chunks_exact_mut(columns)
+            .zip(image.values.par_chunks_exact(columns).rev())
+            .try_for_each(|(row, source)| {
+                for (height, value) in row.iter_mut().zip(source) {
+                    *height = ((f64::from(*value) - dark) * scale + self.z_min) as f32;
+                }
+                ticker.tick(1).then_some(())
+            })
+            .ok_or(NodeError::Cancelled)?;
+        Ok(heights)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+
+    fn map(width: usize, values: &[f32], z_min: f64, z_max: f64) -> Result<HeightField, String> {
+        let image = GrayImage { width, height: values.len() / width, values: values.to_vec() };
+        let node = ZMap { canvas_width: 203.0, canvas_height: 203.0, z_min, z_max };
+        let mapped = run(|cx| node.run(Brightness { image: &image }, cx));
+        mapped.map(|mapped| mapped.surface).map_err(|fault| fault.to_string())
+    }
+
+    #[test]
+    fn brightness_spans_the_range_and_the_top_row_is_far() {
+        let field = map(2, &[0.2, 0.4, 0.6, 1.0], -1.0, 3.0).unwrap();
+        assert_eq!(field.row(1), [-1.0, 0.0]);
+        assert_eq!(field.row(0), [1.0, 3.0]);
+    }
+
+    #[test]
+    fn the_canvas_is_fitted_over_pixels() {
+        let size = |columns: usize, rows: usize| {
+            let mut values = vec![0.0; columns * rows];
+            values[0] = 1.0;
+            let field = map(columns, &values, 0.0, 5.0).unwrap();
+            (columns as f64 * field.pitch_mm(), rows as f64 * field.pitch_mm())
+        };
+        // The sizes that the source prints.
+        for (columns, rows, width, height) in [
+            (328, 618, 107.74, 203.0),
+            (600, 900, 135.33, 203.0),
+            (640, 1024, 126.88, 203.0),
+            (480, 640, 152.25, 203.0),
+            (1392, 1104, 203.0, 161.0),
+            (855, 700, 203.0, 166.2),
+        ] {
+            let (w, h) = size(columns, rows);
+            assert!((w - width).abs() < 0.01 && (h - height).abs() < 0.01, "{columns} × {rows}");
+        }
+    }
+
+    #[test]
+    fn an_even_gray_is_flat_at_z_min() {
+        let field = map(3, &[0.5; 6], 1.5, 5.0).unwrap();
+        assert!(field.heights().iter().all(|z| *z == 1.5));
+    }
+
+    #[test]
+    fn a_line_of_pixels_makes_no_surface() {
+        for (width, count) in [(1, 1), (1, 9), (9, 9)] {
+            let message = map(width, &vec![0.0; count], 0.0, 5.0).unwrap_err();
+            assert!(message.contains("2 × 2 px at least"), "{message}");
+        }
+    }
+
+    #[test]
+    fn sixteen_bits_keep_sixty_thousand_heights() {
+        let values: Vec<f32> = (0..=65535u16).map(|v| f32::from(v) / 65535.0).collect();
+        let field = map(256, &values, 0.0, 5.0).unwrap();
+        let mut heights: Vec<u32> = field.heights().iter().map(|z| z.to_bits()).collect();
+        heights.sort_unstable();
+        heights.dedup();
+        assert_eq!(heights.len(), 65536);
+    }
+}

@@ -1,0 +1,102 @@
+//! Values that pass between nodes and are no geometry: pictures, programs, remarks.
+
+use serde::{Deserialize, Serialize};
+
+/// What a picture's samples are.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Samples {
+    /// 0 is black, 255 white.
+    U8(Vec<u8>),
+    /// 0 is black, 65535 white.
+    U16(Vec<u16>),
+    /// 0 is black, 1 white; depth maps may go beyond.
+    F32(Vec<f32>),
+}
+
+/// What the samples of a pixel mean, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Channels {
+    /// Gray.
+    Gray,
+    /// Gray and opacity.
+    GrayAlpha,
+    /// Red, green, blue.
+    Rgb,
+    /// Red, green, blue, opacity.
+    Rgba,
+}
+
+impl Channels {
+    /// Samples a pixel.
+    #[must_use]
+    pub fn count(self) -> usize {
+        match self {
+            Self::Gray => 1,
+            Self::GrayAlpha => 2,
+            Self::Rgb => 3,
+            Self::Rgba => 4,
+        }
+    }
+}
+
+/// A picture as it was loaded, at the depth it was saved with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Image {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// What a pixel's samples mean.
+    pub channels: Channels,
+    /// Pixel by pixel, row by row from the top.
+    pub samples: Samples,
+}
+
+impl Image {
+    /// Bits a sample.
+    #[must_use]
+    pub fn bits(&self) -> u32 {
+        match self.samples {
+            Samples::U8(_) => 8,
+            Samples::U16(_) => 16,
+            Samples::F32(_) => 32,
+        }
+    }
+}
+
+/// A gray picture. 0 is black and 1 white; a floating-point depth map may go beyond.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GrayImage {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Row by row from the top; finite.
+    pub values: Vec<f32>,
+}
+
+/// A machine program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Gcode {
+    /// Its text.
+    pub text: Vec<u8>,
+    /// The dialect it is written in.
+    pub dialect: String,
+    /// The extension that the controller wants its files to have.
+    pub extension: String,
+}
+
+impl Gcode {
+    /// Number of lines.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.text.iter().filter(|byte| **byte == b'\n').count()
+    }
+}
+
+/// A choice that a node made by itself, for the summary.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Remark {
+    /// A sentence.
+    pub text: String,
+}

@@ -1,0 +1,30 @@
+//! GRBL 1.1, the controller of most hobby machines.
+//!
+//! Source: gnea/grbl, `gcode.c` (the words it accepts), `protocol.c` (lines and comments),
+//! `nuts_bolts.c` (dwell). It has no tool change, no tool table and no `G64`; it blends by its own
+//! junction deviation. It takes `!`, `?`, `~` and bytes above 127 out of the stream and acts on
+//! them wherever they stand, even inside a comment.
+
+use crate::rs274::{ISO, Rs274, ToolChange};
+
+/// Seconds from M3 to cutting. GRBL does not wait for the spindle, and the routers and small
+/// spindles its machines carry need two to three seconds to full speed.
+const SPIN_UP_S: f64 = 3.0;
+
+/// `delay_sec` counts steps of 50 ms in 16 bits.
+const DWELL_LIMIT_S: f64 = 3276.0;
+
+/// `LINE_BUFFER_SIZE` is 80, one of which ends the string.
+const LINE_LIMIT: usize = 79;
+
+pub(crate) const GRBL: Rs274 = Rs274 {
+    name: "grbl",
+    about: "GRBL 1.1: hobby routers with an Arduino or 32-bit board",
+    extension: "nc",
+    line_limit: LINE_LIMIT,
+    tool_change: ToolChange::None("grbl has no tool change (M6): write one program for each tool"),
+    spin_up_s: Some(SPIN_UP_S),
+    dwell_limit_s: DWELL_LIMIT_S,
+    end: "M30",
+    ..ISO
+};
