@@ -29,6 +29,11 @@ fn load(columns: usize, rows: usize) -> HeightField {
     let heights = v.iter().map(|x| ((x - lo) / (hi - lo) * 5.0) as f32).collect();
     HeightField::new(columns, rows, 203.0 / columns.max(rows) as f64, heights).unwrap()
 }
+fn cpu() -> f64 {
+    let s = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let v: Vec<&str> = s[s.rfind(')').unwrap() + 2..].split(' ').collect();
+    (v[11].parse::<f64>().unwrap() + v[12].parse::<f64>().unwrap()) / 100.0
+}
 fn main() {
     let args: Vec<String> = std::env::args().collect();
     let only = args.get(1).map(String::as_str).unwrap_or("");
@@ -46,13 +51,15 @@ fn main() {
         for (shape, profile) in shapes { if want != "all" && want != shape { continue }
         for against in [Against::Mesh, Against::Points] {
             let mut best = f64::MAX;
-            let mut sum = 0.0;
+            let mut sum = 0.0; let c0 = cpu();
             for _ in 0..5 {
                 let t = Instant::now();
                 let path = drop_on_height_field(&field, against, &profile, &pattern, 0.0, &|_| true).unwrap();
                 best = best.min(t.elapsed().as_secs_f64());
                 sum = path.tips.iter().map(|t| t.z).sum();
             }
+            print!("cpu {:.3} us/CL ", (cpu() - c0) / 5.0 * 1e6 / pattern.points.len() as f64);
+            for c in &CNT { print!("{:.2} ", c.swap(0, std::sync::atomic::Ordering::Relaxed) as f64 / 5.0 / pattern.points.len() as f64); }
             println!("{name} {shape} {against:?}: {} CL, {:.4} s, {:.3} us/CL  sum {sum}", pattern.points.len(), best, best * 1e6 / pattern.points.len() as f64);
         } }
     }

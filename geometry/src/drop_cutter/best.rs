@@ -1,6 +1,8 @@
 //! The highest contact found so far at one cutter location.
 
 use crate::{Contact, ContactKind};
+use super::cell::triangle_id;
+use super::search::Ground;
 use glam::DVec3;
 
 /// A height of the tip that is known to be touched. Of equal heights the first found stays: the
@@ -13,11 +15,35 @@ pub(super) struct Best {
     pub(super) contact: Contact,
     /// The node whose visit found it.
     pub(super) node: (usize, usize),
+    /// The triangles last tested, as [`triangle_id`]s, in turn.
+    tested: [usize; 8],
+    turn: usize,
 }
 
 impl Best {
-    pub(super) const NONE: Self =
-        Self { tip: f64::NEG_INFINITY, low: f32::MIN, contact: Contact::NONE, node: (0, 0) };
+    pub(super) const NONE: Self = Self {
+        tip: f64::NEG_INFINITY,
+        low: f32::MIN,
+        contact: Contact::NONE,
+        node: (0, 0),
+        tested: [usize::MAX; 8],
+        turn: 0,
+    };
+
+    /// Whether triangle `k` around a node is not among those just tested; from now on it is.
+    #[inline]
+    pub(super) fn is_new(&mut self, ground: &Ground, i: usize, j: usize, k: usize) -> bool {
+        let id = triangle_id(ground, i, j, k);
+        let mut found = false;
+        for tested in self.tested {
+            found |= tested == id;
+        }
+        if !found {
+            self.tested[self.turn % 8] = id;
+            self.turn += 1;
+        }
+        !found
+    }
 
     /// Takes over a contact if it is higher.
     #[inline]

@@ -25,6 +25,15 @@ pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0),
 const TRIANGLES: [(isize, isize, bool); 6] =
     [(0, 0, false), (0, 0, true), (-1, 0, false), (-1, -1, true), (-1, -1, false), (0, -1, true)];
 
+/// A number of triangle `k` around node (i, j) that is the same around its other nodes; meaningless
+/// beyond the border.
+#[inline]
+pub(super) fn triangle_id(ground: &Ground, i: usize, j: usize, k: usize) -> usize {
+    let (di, dj, upper) = TRIANGLES[k];
+    let cell = (j.wrapping_add_signed(dj)).wrapping_mul(ground.columns).wrapping_add(i.wrapping_add_signed(di));
+    cell.wrapping_mul(2) + usize::from(upper)
+}
+
 /// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.
 pub(super) struct Triangle {
     /// Its first node, (i, j).

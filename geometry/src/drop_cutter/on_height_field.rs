@@ -5,7 +5,7 @@ use super::best::Best;
 use super::flat::Flat;
 use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, TableGauge};
 use super::general::General;
-use super::probes::{Bulges, Peaks, Vertices};
+use super::probes::{Around, Peaks, Vertices};
 use super::search::{Ground, Probe};
 use super::shape::Shape;
 use crate::{
@@ -124,10 +124,11 @@ impl Job<'_> {
         // the ball is at the least distance from the axis it can have.
         let least_rise = (1.0 - (1.0 - bulge.far * bulge.far).sqrt()) * (1.0 - 1e-5);
         let rim = BallGauge { least_rise: least_rise as f32 };
-        let rim = Peaks { shape: ball, gauge: rim, pitch };
+        let rim = Around { ball, gauge: rim, margin: pitch, pitch };
         let least_rise = least_rise * ball.radius;
-        self.run(&Bulges { ball, gauge: bulge, pitch }, |at, highest, best| {
+        self.run(&Around { ball, gauge: bulge, margin: 0.0, pitch }, |at, highest, best| {
             if f64::from(highest) - best.tip > least_rise {
+                super::CNT[3].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 self.ground.search(&rim, at, best);
             }
         })
@@ -175,13 +176,13 @@ impl Job<'_> {
         let ground = self.ground;
         let Some((before, (i, j))) = known else {
             let (i, j) = ground.nearest(at);
-            return probe.visit(ground, at, i, j, best);
+            return probe.glance(ground, at, i, j, best);
         };
-        probe.visit(ground, at, i, j, best);
+        probe.glance(ground, at, i, j, best);
         let moved = DVec2::new(i as f64, j as f64) * ground.pitch + (at - before);
         let (next_i, next_j) = ground.nearest(moved);
         if (next_i, next_j) != (i, j) {
-            probe.visit(ground, at, next_i, next_j, best);
+            probe.glance(ground, at, next_i, next_j, best);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::ball::Ball;
 use super::best::Best;
 use super::cell::{AROUND, Edge, Triangle};
-use super::gauge::{BulgeGauge, Gauge};
+use super::gauge::Gauge;
 use super::search::{Ground, Probe};
 use super::shape::Shape;
 use crate::ContactKind;
@@ -81,6 +81,7 @@ impl<S: Shape, G: Gauge> Probe for Peaks<'_, S, G> {
     }
 
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
+        super::CNT[1].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         drop_on_node(self.shape, ground, at, i, j, best);
         let on_planes: [f64; 6] = std::array::from_fn(|k| {
             Triangle::around(ground, at, i, j, k).map_or(f64::NEG_INFINITY, |triangle| {
@@ -113,19 +114,21 @@ fn least_plane(a: f64, b: f64) -> f64 {
     }
 }
 
-/// Nodes and their triangles against a ball, away from its rim.
+/// Nodes and their triangles against a ball.
 ///
 /// The clearance tip + h(r) − z is convex over each triangle, so it is nowhere less than its tangent
 /// at a node: a triangle can only be touched if the clearance falls, along one of its two edges from
 /// the node, by more than it is at the node.
-pub(super) struct Bulges<'a> {
+pub(super) struct Around<'a, G> {
     pub(super) ball: &'a Ball,
-    pub(super) gauge: BulgeGauge,
+    pub(super) gauge: G,
+    /// See [`Probe::margin`].
+    pub(super) margin: f64,
     /// Pitch / R.
     pub(super) pitch: f64,
 }
 
-impl Probe for Bulges<'_> {
+impl<G: Gauge> Probe for Around<'_, G> {
     #[inline]
     fn reach(&self) -> f64 {
         self.pitch
@@ -133,7 +136,7 @@ impl Probe for Bulges<'_> {
 
     #[inline]
     fn margin(&self) -> f64 {
-        0.0
+        self.margin
     }
 
     #[inline]
@@ -143,23 +146,33 @@ impl Probe for Bulges<'_> {
 
     #[inline]
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
+        super::CNT[if self.margin > 0.0 { 1 } else { 0 }].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let place = DVec2::new(i as f64, j as f64) * ground.pitch;
         let (out, z) = (place - at, ground.height(i, j));
         let inside = self.ball.radius * self.ball.radius - out.length_squared();
-        if inside <= 0.0 {
-            return;
+        // Beyond the rim, or on it, there is no tangent.
+        let mut falls = ALL_EDGES;
+        if inside >= 0.0 {
+            let root = inside.sqrt();
+            let tip = z - (self.ball.radius - root);
+            best.raise(tip, ContactKind::Vertex, (i, j), || place.extend(z));
+            if root > 0.0 {
+                let climb = out * (ground.pitch / root);
+                falls = falling_edges(ground, i, j, z, climb, best.tip - tip);
+            }
         }
-        let root = inside.sqrt();
-        let tip = z - (self.ball.radius - root);
-        best.raise(tip, ContactKind::Vertex, (i, j), || place.extend(z));
-        let clearance = best.tip - tip;
-        let climb = out * (ground.pitch / root);
-        let falls = falling_edges(ground, i, j, z, climb, clearance);
         if falls != 0 {
             self.visit_triangles(ground, at, (i, j), falls, best);
         }
     }
+
+    #[inline]
+    fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
+        drop_on_node(self.ball, ground, at, i, j, best);
+    }
 }
+
+const ALL_EDGES: u32 = 0b11_1111;
 
 /// Bits of the edges around node (i, j) along which the clearance's tangent falls below 0. `climb`
 /// is the rise of h over a pitch along x and y.
@@ -176,21 +189,22 @@ fn falling_edges(ground: &Ground, i: usize, j: usize, z: f64, climb: DVec2, clea
     falls
 }
 
-impl Bulges<'_> {
+impl<G> Around<'_, G> {
     #[inline(never)]
     fn visit_triangles(
         &self,
         ground: &Ground,
         at: DVec2,
-        node: (usize, usize),
+        (i, j): (usize, usize),
         falls: u32,
         best: &mut Best,
     ) {
         for k in 0..6 {
-            if falls & (1 << k | 1 << ((k + 1) % 6)) == 0 {
+            if falls & (1 << k | 1 << ((k + 1) % 6)) == 0 || !best.is_new(ground, i, j, k) {
                 continue;
             }
-            if let Some(triangle) = Triangle::around(ground, at, node.0, node.1, k) {
+            super::CNT[2].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            if let Some(triangle) = Triangle::around(ground, at, i, j, k) {
                 self.ball.drop_on_closed_triangle(ground, &triangle, at, best);
             }
         }

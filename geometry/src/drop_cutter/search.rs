@@ -39,6 +39,11 @@ pub(super) trait Probe {
 
     /// Drops the cutter on what belongs to node (i, j).
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best);
+
+    /// Drops the cutter on some of what belongs to node (i, j), for a first height.
+    fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
+        self.visit(ground, at, i, j, best);
+    }
 }
 
 /// A field made ready for cutters of one radius.
@@ -222,6 +227,7 @@ impl<P: Probe> Walk<'_, P> {
 
     #[inline]
     fn descend_to_nodes(&self, scale: &Scale, i: usize, j: usize, best: &mut Best) {
+        super::CNT[if self.probe.margin() > 0.0 { 5 } else { 4 }].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         for j in j..(j + FACTOR).min(self.ground.rows) {
             let y2 = self.row_distance(scale, j);
             let mut hits = self.test(scale, y2, i, self.ground.four(i, j), best);

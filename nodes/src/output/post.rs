@@ -156,7 +156,7 @@ impl Post {
             let message = "the path has no speeds and no approach: put a link node before this one";
             return Err(NodeError::failed(message));
         };
-        let mut commands = Vec::with_capacity(path.tips.len() + 4);
+        let mut commands = Vec::with_capacity(path.tips.len() + 2);
         if self.tool > 0 {
             commands.push(Command::ToolChange { number: self.tool });
         }
@@ -173,7 +173,6 @@ impl Post {
                 });
             }
         }
-        commands.push(Command::SpindleStop);
         Ok(commands)
     }
 }

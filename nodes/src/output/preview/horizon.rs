@@ -10,37 +10,75 @@
 //! Limits: beyond the raster nothing stands, and a light is seen along one line, so a light that
 //! should cast soft shadows is the sum of several directions.
 
+use super::color::smooth_step;
 use super::resample::Raster;
+use carvegraph_geometry::Tick;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A step along a chain, in pixels: x to the right, y down the picture.
-pub(super) type Step = (isize, isize);
+type Step = (isize, isize);
 
 /// Chains taken by one task: enough work to hide the cost of starting it.
 const CHAINS_PER_TASK: usize = 64;
+
+/// Units of work of [`sunlight`] and [`skylight`] together: one a direction.
+pub(super) const LIGHT_WORK: usize = SUN.len() + SKY.len();
+
+/// Directions of the window, from the upper left, and the share of its light that each gives.
+const SUN: [(Step, f32); 3] = [((-1, -1), 0.4), ((-2, -1), 0.3), ((-1, -2), 0.3)];
+/// Tangents of the elevations between which the window goes from hidden to seen: 27° to 45°.
+const SUN_EDGE: (f32, f32) = (0.5, 1.0);
+/// Eight directions, none of which edges in pictures often follow, so no star shows around a peak.
+const SKY: [Step; 8] = [(2, 1), (1, 2), (-1, 2), (-2, 1), (-2, -1), (-1, -2), (1, -2), (2, -1)];
+
+/// The share of the window's light that reaches each pixel.
+pub(super) fn sunlight(relief: &Raster, tick: Tick<'_>) -> Option<Vec<f32>> {
+    let mut light = Light::none(relief.values.len());
+    for (towards, share) in SUN {
+        light.add(relief, towards, |slope| {
+            share * (1.0 - smooth_step(SUN_EDGE.0, SUN_EDGE.1, slope))
+        });
+        tick(1).then_some(())?;
+    }
+    Some(light.into_values())
+}
+
+/// The share of the sky that each pixel sees, computed at half the resolution: it varies slowly.
+pub(super) fn skylight(relief: &Raster, tick: Tick<'_>) -> Option<Raster> {
+    let half = relief.halved();
+    let mut light = Light::none(half.values.len());
+    for towards in SKY {
+        // The part of a half circle of sky that stands above the horizon, seen as 1 - sin.
+        light.add(&half, towards, |slope| {
+            (1.0 - slope / (1.0 + slope * slope).sqrt()) / SKY.len() as f32
+        });
+        tick(1).then_some(())?;
+    }
+    Some(Raster { values: light.into_values(), ..half })
+}
 
 /// Sums over directions of the light that each pixel sees.
 ///
 /// In one direction every pixel lies on exactly one chain and is written once, and directions
 /// follow one another: the sums do not depend on the number of threads. The atomics only let
 /// several chains share the buffer.
-pub(super) struct Light(Vec<AtomicU32>);
+struct Light(Vec<AtomicU32>);
 
 impl Light {
     /// No light yet on `pixels` pixels.
-    pub(super) fn none(pixels: usize) -> Self {
+    fn none(pixels: usize) -> Self {
         Self((0..pixels).map(|_| AtomicU32::new(0)).collect())
     }
 
     /// The light on each pixel.
-    pub(super) fn into_values(self) -> Vec<f32> {
+    fn into_values(self) -> Vec<f32> {
         self.0.into_iter().map(|bits| f32::from_bits(bits.into_inner())).collect()
     }
 
     /// Adds what comes from `towards`: `seen` turns the tangent of the elevation of the horizon
     /// that way (at least 0) into an amount of light. Heights are in pixels.
-    pub(super) fn add(&mut self, relief: &Raster, towards: Step, seen: impl Fn(f32) -> f32 + Sync) {
+    fn add(&mut self, relief: &Raster, towards: Step, seen: impl Fn(f32) -> f32 + Sync) {
         let starts = chain_starts(relief.width, relief.height, towards);
         starts.par_chunks(CHAINS_PER_TASK).for_each_init(Vec::new, |hull, chains| {
             for &start in chains {

@@ -15,7 +15,7 @@
 //! board, not of its relief.
 
 use super::color::{Linear, encode, linear, mix, smooth_step};
-use super::horizon::{Light, Step};
+use super::horizon::{LIGHT_WORK, skylight, sunlight};
 use super::resample::{Axis, BANDS, Raster, bands, resample};
 use super::wood::Wood;
 use carvegraph_geometry::{HeightField, Tick};
@@ -23,7 +23,7 @@ use image::RgbImage;
 use rayon::prelude::*;
 
 /// Units of work of [`render_surface`], as told to its `tick`.
-pub const SURFACE_WORK: usize = 2 * BANDS + SKY.len() + SUN.len();
+pub(super) const SURFACE_WORK: usize = 2 * BANDS + LIGHT_WORK;
 
 /// The longest side a picture may have: 8192² pixels are 200 MB of picture and 1 GB of work.
 pub(super) const MAX_SIDE_PX: u32 = 8192;
@@ -43,14 +43,8 @@ const BEST_DEPTH: f32 = 0.062;
 /// Beyond this factor the noise of a shallow relief would pass for its shape.
 const MAX_EXAGGERATION: f32 = 6.0;
 
-/// Directions of the window, from the upper left, and the share of its light that each gives.
-const SUN: [(Step, f32); 3] = [((-1, -1), 0.4), ((-2, -1), 0.3), ((-1, -2), 0.3)];
-/// Tangents of the elevations between which the window goes from hidden to seen: 27° to 45°.
-const SUN_EDGE: (f32, f32) = (0.5, 1.0);
 /// Towards the middle of the window: right, up the picture, out of the wall. A unit vector.
 const TO_SUN: [f32; 3] = [-0.570, 0.570, 0.592];
-/// Eight directions, none of which edges in pictures often follow, so no star shows around a peak.
-const SKY: [Step; 8] = [(2, 1), (1, 2), (-1, 2), (-2, 1), (-2, -1), (-1, -2), (1, -2), (2, -1)];
 
 /// Strength of the window, of the light the room throws back, and of the sky.
 const SUN_LIGHT: f32 = 1.75;
@@ -69,10 +63,28 @@ const GLEAM_POWER: i32 = 22;
 /// From this many pixels on, fibres and pores are drawn in full; below, they would flicker.
 const FULL_GRAIN_PX: f32 = 900.0;
 
+/// How far a shadow falls to the right and down, half the width of its soft edge, both as shares of
+/// the plaque's longest side, and the share of light it takes.
+struct Shadow {
+    shift: f32,
+    blur: f32,
+    depth: f32,
+}
+
+const WIDE: Shadow = Shadow { shift: 0.022, blur: 0.05, depth: 0.42 };
+const NARROW: Shadow = Shadow { shift: 0.008, blur: 0.014, depth: 0.5 };
+
+/// Light plaster, as bytes of sRGB.
+const PLASTER: [u8; 3] = [226, 222, 214];
+/// Light at the upper left corner, and how much of it is lost at the lower right: it falls off away
+/// from the window.
+const LIGHT: f32 = 1.06;
+const FALL_OFF: f32 = 0.22;
+
 /// Draws `field` as a carved plaque; the longer side of the picture is `longest_side_px` (clamped
 /// to 1 … 8192). Calls `tick` with [`SURFACE_WORK`] units in all; `None` if stopped.
 #[must_use]
-pub fn render_surface(
+pub(super) fn render_surface(
     field: &HeightField,
     longest_side_px: u32,
     tick: Tick<'_>,
@@ -91,7 +103,7 @@ pub fn render_surface(
 /// What heights are multiplied by for shading: as much as brings the relief's depth to 6.2 % of
 /// the plaque's shorter side, between 1 and 6. A relief of 5 mm on 203 mm is shaded 2.5-fold.
 #[must_use]
-pub fn exaggeration(field: &HeightField) -> f32 {
+pub(super) fn exaggeration(field: &HeightField) -> f32 {
     let size = field.bounds().size();
     let depth = size.z as f32;
     let best = BEST_DEPTH * size.x.min(size.y) as f32;
@@ -100,10 +112,12 @@ pub fn exaggeration(field: &HeightField) -> f32 {
 
 /// Where things are in the picture.
 struct Layout {
+    /// Size of the picture, in pixels.
     width: usize,
     height: usize,
     /// Columns and rows of wall before the board.
     margin: (usize, usize),
+    /// The board, its rounded edge being the border.
     x: Axis,
     y: Axis,
     px_per_mm: f32,
@@ -155,48 +169,6 @@ fn inset(x: usize, y: usize, width: usize, height: usize, corner_px: usize) -> f
     let to_side = |i: usize, len: usize| (i.min(len - 1 - i)) as f32 + 0.5;
     let (dx, dy) = (to_side(x, width), to_side(y, height));
     if dx < corner && dy < corner { corner - (corner - dx).hypot(corner - dy) } else { dx.min(dy) }
-}
-
-/// The share of the window's light that reaches each pixel.
-fn sunlight(relief: &Raster, tick: Tick<'_>) -> Option<Vec<f32>> {
-    let mut light = Light::none(relief.values.len());
-    for (towards, share) in SUN {
-        light.add(relief, towards, |slope| {
-            share * (1.0 - smooth_step(SUN_EDGE.0, SUN_EDGE.1, slope))
-        });
-        tick(1).then_some(())?;
-    }
-    Some(light.into_values())
-}
-
-/// The share of the sky that each pixel sees, computed at half the resolution: it varies slowly.
-fn skylight(relief: &Raster, tick: Tick<'_>) -> Option<Raster> {
-    let half = halve(relief);
-    let mut light = Light::none(half.values.len());
-    for towards in SKY {
-        // The part of a half circle of sky that stands above the horizon, seen as 1 - sin.
-        light.add(&half, towards, |slope| {
-            (1.0 - slope / (1.0 + slope * slope).sqrt()) / SKY.len() as f32
-        });
-        tick(1).then_some(())?;
-    }
-    Some(Raster { values: light.into_values(), ..half })
-}
-
-/// Means of two by two pixels, with heights in pixels of the new size.
-fn halve(raster: &Raster) -> Raster {
-    let (width, height) = (raster.width.div_ceil(2), raster.height.div_ceil(2));
-    let mut values = vec![0.0; width * height];
-    values.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| {
-        let (y0, y1) = (2 * y, (2 * y + 1).min(raster.height - 1));
-        for (x, value) in row.iter_mut().enumerate() {
-            let (x0, x1) = (2 * x, (2 * x + 1).min(raster.width - 1));
-            *value =
-                (raster.at(x0, y0) + raster.at(x1, y0) + raster.at(x0, y1) + raster.at(x1, y1))
-                    / 8.0;
-        }
-    });
-    Raster { width, height, values }
 }
 
 /// Everything that the colour of a pixel depends on.
@@ -278,49 +250,46 @@ fn tone(light: f32) -> f32 {
     if light <= 0.5 { light } else { 1.0 - 0.25 / light }
 }
 
-/// The wall behind the plaque.
+/// The wall behind the plaque, with the plaque's shadow on it. The shadow of a rectangle under a soft
+/// light is the product of what is hidden along x and along y; a wide and a narrow one together look
+/// like a board that touches the wall.
 struct Wall {
-    /// Shadow of the plaque along x and along y, wide and narrow: the product of both is its depth.
-    wide: [Vec<f32>; 2],
-    narrow: [Vec<f32>; 2],
+    /// Light lost to each shadow along x and along y; the product of both is what is lost.
+    shadows: [(Vec<f32>, Vec<f32>); 2],
     color: Linear,
 }
 
 impl Wall {
+    /// The wall of a picture.
     fn new(layout: &Layout) -> Self {
         let longest = layout.x.len_px().max(layout.y.len_px()) as f32;
-        let shadow = |share: f32, blur: f32| {
-            let side = |len: usize, margin: usize, board: usize| {
-                (0..len)
-                    .map(|i| {
-                        let place = i as f32 + 0.5 - margin as f32 - share * longest;
-                        let half = blur * longest;
-                        smooth_step(-half, half, place)
-                            * (1.0 - smooth_step(-half, half, place - board as f32))
-                    })
-                    .collect()
-            };
-            [
-                side(layout.width, layout.margin.0, layout.x.len_px()),
-                side(layout.height, layout.margin.1, layout.y.len_px()),
-            ]
-        };
-        Self {
-            wide: shadow(0.022, 0.05),
-            narrow: shadow(0.008, 0.014),
-            color: linear([226, 222, 214]),
-        }
+        let shadows = [WIDE, NARROW].map(|shadow| {
+            let side = |len, margin, board| hidden(&shadow, longest, len, margin, board);
+            let mut across = side(layout.width, layout.margin.0, layout.x.len_px());
+            across.iter_mut().for_each(|hidden| *hidden *= shadow.depth);
+            (across, side(layout.height, layout.margin.1, layout.y.len_px()))
+        });
+        Self { shadows, color: linear(PLASTER) }
     }
 
+    /// Colour of the wall at a pixel of the picture.
     fn color(&self, x: usize, y: usize) -> Linear {
-        let wide = self.wide[0][x] * self.wide[1][y];
-        let narrow = self.narrow[0][x] * self.narrow[1][y];
-        // Light falls off away from the window.
-        let (width, height) = (self.wide[0].len() as f32, self.wide[1].len() as f32);
+        let [wide, narrow] = &self.shadows;
+        let (width, height) = (wide.0.len() as f32, wide.1.len() as f32);
         let away = (x as f32 / width + y as f32 / height) / 2.0;
-        let light = (1.06 - 0.22 * away) * (1.0 - 0.42 * wide) * (1.0 - 0.5 * narrow);
-        self.color.map(|c| c * light)
+        let lit = (1.0 - wide.0[x] * wide.1[y]) * (1.0 - narrow.0[x] * narrow.1[y]);
+        self.color.map(|c| c * (LIGHT - FALL_OFF * away) * lit)
     }
+}
+
+/// How much a board of `board` pixels that begins at `margin` hides from each of `len` pixels.
+fn hidden(shadow: &Shadow, longest: f32, len: usize, margin: usize, board: usize) -> Vec<f32> {
+    let half = shadow.blur * longest;
+    let step = |place: f32| smooth_step(-half, half, place);
+    (0..len)
+        .map(|i| i as f32 + 0.5 - margin as f32 - shadow.shift * longest)
+        .map(|place| step(place) * (1.0 - step(place - board as f32)))
+        .collect()
 }
 
 #[cfg(test)]

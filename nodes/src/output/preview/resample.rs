@@ -58,6 +58,21 @@ impl Raster {
         let length = (slope_x * slope_x + slope_up * slope_up + 1.0).sqrt();
         [-slope_x / length, -slope_up / length, 1.0 / length]
     }
+
+    /// Means of two by two pixels, with heights in pixels of the new size.
+    pub(super) fn halved(&self) -> Self {
+        let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
+        let mut values = vec![0.0; width * height];
+        values.par_chunks_exact_mut(width).enumerate().for_each(|(y, row)| {
+            let (y0, y1) = (2 * y, (2 * y + 1).min(self.height - 1));
+            for (x, value) in row.iter_mut().enumerate() {
+                let (x0, x1) = (2 * x, (2 * x + 1).min(self.width - 1));
+                *value =
+                    (self.at(x0, y0) + self.at(x1, y0) + self.at(x0, y1) + self.at(x1, y1)) / 8.0;
+            }
+        });
+        Self { width, height, values }
+    }
 }
 
 /// Where the nodes of one axis stand among the pixels of a picture.
