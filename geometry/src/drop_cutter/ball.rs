@@ -11,7 +11,6 @@
 
 use super::best::Best;
 use super::cell::{Edge, Triangle};
-use super::search::Ground;
 use super::shape::Shape;
 use crate::ContactKind;
 use glam::DVec2;
@@ -19,35 +18,6 @@ use glam::DVec2;
 /// A ball nose of radius R in mm.
 pub(super) struct Ball {
     pub(super) radius: f64,
-}
-
-impl Ball {
-    /// Drops on a triangle and its edges, but not its vertices. The clearance is convex over the
-    /// plane and least at the plane's contact: if that is outside, the least over the triangle is on
-    /// an edge that it lies beyond.
-    pub(super) fn drop_on_closed_triangle(
-        &self,
-        ground: &Ground,
-        triangle: &Triangle,
-        at: DVec2,
-        best: &mut Best,
-    ) {
-        let steep = (1.0 + triangle.slope.length_squared()).sqrt();
-        let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);
-        if tip <= best.tip {
-            return;
-        }
-        let place = triangle.slope * (self.radius / steep);
-        if triangle.holds(place) {
-            let point = || triangle.point(at, place);
-            return best.raise(tip, ContactKind::Facet, triangle.node, point);
-        }
-        triangle.edges_before(place, |(di, dj), k| {
-            let node = (triangle.node.0 + di, triangle.node.1 + dj);
-            let edge = Edge::new(ground, at, node.0, node.1, k);
-            self.drop_on_edge(&edge, at, node, best);
-        });
-    }
 }
 
 impl Shape for Ball {

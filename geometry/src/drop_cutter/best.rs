@@ -1,8 +1,6 @@
 //! The highest contact found so far at one cutter location.
 
 use crate::{Contact, ContactKind};
-use super::cell::triangle_id;
-use super::search::Ground;
 use glam::DVec3;
 
 /// A height of the tip that is known to be touched. Of equal heights the first found stays: the
@@ -15,7 +13,7 @@ pub(super) struct Best {
     pub(super) contact: Contact,
     /// The node whose visit found it.
     pub(super) node: (usize, usize),
-    /// The triangles last tested, as [`triangle_id`]s, in turn.
+    /// Numbers of the triangles last tested, in turn.
     tested: [usize; 8],
     turn: usize,
 }
@@ -30,16 +28,15 @@ impl Best {
         turn: 0,
     };
 
-    /// Whether triangle `k` around a node is not among those just tested; from now on it is.
+    /// Whether a triangle is not among those just tested; from now on it is.
     #[inline]
-    pub(super) fn is_new(&mut self, ground: &Ground, i: usize, j: usize, k: usize) -> bool {
-        let id = triangle_id(ground, i, j, k);
+    pub(super) fn is_new(&mut self, triangle: usize) -> bool {
         let mut found = false;
         for tested in self.tested {
-            found |= tested == id;
+            found |= tested == triangle;
         }
         if !found {
-            self.tested[self.turn % 8] = id;
+            self.tested[self.turn % 8] = triangle;
             self.turn += 1;
         }
         !found

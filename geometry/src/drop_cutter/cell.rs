@@ -25,15 +25,6 @@ pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0),
 const TRIANGLES: [(isize, isize, bool); 6] =
     [(0, 0, false), (0, 0, true), (-1, 0, false), (-1, -1, true), (-1, -1, false), (0, -1, true)];
 
-/// A number of triangle `k` around node (i, j) that is the same around its other nodes; meaningless
-/// beyond the border.
-#[inline]
-pub(super) fn triangle_id(ground: &Ground, i: usize, j: usize, k: usize) -> usize {
-    let (di, dj, upper) = TRIANGLES[k];
-    let cell = (j.wrapping_add_signed(dj)).wrapping_mul(ground.columns).wrapping_add(i.wrapping_add_signed(di));
-    cell.wrapping_mul(2) + usize::from(upper)
-}
-
 /// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.
 pub(super) struct Triangle {
     /// Its first node, (i, j).
@@ -98,34 +89,6 @@ impl Triangle {
     #[inline]
     pub(super) fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
         (at + place).extend(self.z0 + self.slope.dot(place - self.to_first))
-    }
-
-    /// The edges that a place of the plane lies beyond, each as its first node relative to the
-    /// triangle's, and its way.
-    #[inline]
-    pub(super) fn edges_before(&self, place: DVec2, mut each: impl FnMut((usize, usize), usize)) {
-        let DVec2 { x, y } = place - self.to_first;
-        if self.upper {
-            if x < 0.0 {
-                each((0, 0), 2);
-            }
-            if y > self.pitch {
-                each((0, 1), 0);
-            }
-            if x > y {
-                each((0, 0), 1);
-            }
-        } else {
-            if y < 0.0 {
-                each((0, 0), 0);
-            }
-            if x > self.pitch {
-                each((1, 0), 2);
-            }
-            if y > x {
-                each((0, 0), 1);
-            }
-        }
     }
 }
 

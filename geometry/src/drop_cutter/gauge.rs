@@ -9,7 +9,22 @@ use wide::f32x4;
 
 /// Answers which of four heights can matter, as bits. See [`super::search::Probe::may_touch`].
 pub(super) trait Gauge: Sync {
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32;
+    /// `x` and `y` are distances from the axis, not negative.
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32;
+}
+
+/// What a gauge says when blocks count as nearer along each axis by this much, / R.
+pub(super) struct Nearer<G> {
+    pub(super) by: f32,
+    pub(super) gauge: G,
+}
+
+impl<G: Gauge> Gauge for Nearer<G> {
+    #[inline]
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
+        let nearer = |d: f32x4| (d - f32x4::splat(self.by)).fast_max(f32x4::ZERO);
+        self.gauge.may_touch(nearer(x), nearer(y), rise)
+    }
 }
 
 /// Squared distance within which a ball is reached by a rise.
@@ -20,16 +35,12 @@ fn ball_reach2(rise: f32x4) -> f32x4 {
 }
 
 /// A ball nose.
-pub(super) struct BallGauge {
-    /// Rises up to this one do not matter.
-    pub(super) least_rise: f32,
-}
+pub(super) struct BallGauge;
 
 impl Gauge for BallGauge {
     #[inline]
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32 {
-        let enough = rise.simd_gt(f32x4::splat(self.least_rise));
-        (enough & d2.simd_lt(ball_reach2(rise))).to_bitmask()
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
+        (x * x + y * y).simd_lt(ball_reach2(rise)).to_bitmask()
     }
 }
 
@@ -38,8 +49,8 @@ pub(super) struct FlatGauge;
 
 impl Gauge for FlatGauge {
     #[inline]
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32 {
-        (rise.simd_gt(f32x4::ZERO) & d2.simd_lt(f32x4::ONE)).to_bitmask()
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
+        (rise.simd_gt(f32x4::ZERO) & (x * x + y * y).simd_lt(f32x4::ONE)).to_bitmask()
     }
 }
 
@@ -85,7 +96,8 @@ fn greatest_radius(shape: &impl Shape, rise: f64) -> f64 {
 
 impl Gauge for TableGauge {
     #[inline]
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32 {
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
+        let d2 = x * x + y * y;
         let mut hits = (rise.simd_gt(f32x4::ZERO) & d2.simd_lt(f32x4::ONE)).to_bitmask();
         let (d2, bins) = (d2.to_array(), (rise * f32x4::splat(self.per_height)).sqrt());
         let bins = (bins * f32x4::splat(BINS as f32)).to_array();
@@ -110,12 +122,18 @@ impl Gauge for TableGauge {
 /// gap(r) = ¼q²·(1 − (r + √2·q)²)^(−3/2),
 ///
 /// h″ being (1 − r²)^(−3/2) for a ball. With (r + w)² ≤ α·r² + β the gap is a convex function of r²
-/// and lies below two chords. The triangles with a node beyond `near2` are left to others.
+/// and lies below two chords.
+///
+/// That holds for triangles whose nodes are all within √`near2`. Any other is touched, if at all,
+/// at a distance of `far` or more, where the ball has risen by `least_rise`. So its highest node
+/// rises by more, and is no farther from the contact than a pitch along either axis.
 pub(super) struct BulgeGauge {
-    chords: [(f32, f32); 2],
+    /// Offset and slope over r² of the chords.
+    inner: (f32, f32),
+    outer: (f32, f32),
     near2: f32,
-    /// No place of a triangle left to others is nearer than this, / R.
-    pub(super) far: f64,
+    least_rise: f32,
+    pitch: f32,
 }
 
 /// Least of 1 − α·r² − β: the gap grows without bound toward the rim. The chords then still rise
@@ -135,7 +153,8 @@ impl BulgeGauge {
         let w = std::f64::consts::SQRT_2 * pitch;
         let (alpha, beta) = (1.0 + w / TIGHT_AT, w * w + w * TIGHT_AT);
         let near2 = (1.0 - beta - LEAST_ROOM) / alpha;
-        if near2 <= 4.0 * pitch * pitch {
+        let far = near2.max(0.0).sqrt() - w;
+        if far <= 0.0 {
             return None;
         }
         let gap = |r2: f64| 0.25 * pitch * pitch * (1.0 - alpha * r2 - beta).powf(-1.5);
@@ -144,22 +163,30 @@ impl BulgeGauge {
             (gap(from) - slope * from, slope)
         };
         let knot = 0.6 * near2;
-        let chords = [chord(0.0, knot), chord(knot, near2)];
-        let rounded = chords.map(|(a, b)| ((a + 1e-7) as f32, (b * ROUND_UP) as f32));
-        (chords[1].1 < LEAST_SLOPE_OF_H).then(|| Self {
-            chords: rounded,
+        let (inner, outer) = (chord(0.0, knot), chord(knot, near2));
+        let rounded = |(a, b): (f64, f64)| ((a + 1e-7) as f32, (b * ROUND_UP) as f32);
+        (outer.1 < LEAST_SLOPE_OF_H).then(|| Self {
+            inner: rounded(inner),
+            outer: rounded(outer),
             near2: (near2 * ROUND_UP) as f32,
-            far: (near2.sqrt() - w).max(0.0),
+            least_rise: ((1.0 - (1.0 - far * far).sqrt()) / ROUND_UP) as f32,
+            pitch: (pitch * ROUND_UP) as f32,
         })
     }
 }
 
 impl Gauge for BulgeGauge {
     #[inline]
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32 {
-        let [(a, b), (c, d)] = self.chords.map(|(a, b)| (f32x4::splat(a), f32x4::splat(b)));
-        let gap = (a + b * d2).fast_max(c + d * d2);
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
+        let line = |(a, b): (f32, f32), d2| f32x4::splat(a) + f32x4::splat(b) * d2;
+        let d2 = x * x + y * y;
+        let gap = line(self.inner, d2).fast_max(line(self.outer, d2));
         let near = d2.simd_le(f32x4::splat(self.near2));
-        (near & d2.simd_lt(ball_reach2(rise + gap))).to_bitmask()
+        let hits = (near & d2.simd_lt(ball_reach2(rise + gap))).to_bitmask();
+        let high = rise.simd_gt(f32x4::splat(self.least_rise)).to_bitmask();
+        if high == 0 {
+            return hits;
+        }
+        hits | (high & Nearer { by: self.pitch, gauge: BallGauge }.may_touch(x, y, rise))
     }
 }

@@ -19,6 +19,7 @@
 //! * Where a cutter lies on a great part of a surface that has its own shape (a ball in a bowl of
 //!   its radius), nothing can be left out and the time per location grows with the shadow.
 
+mod around_node;
 mod ball;
 mod best;
 mod cell;
@@ -36,4 +37,5 @@ use crate::Profile;
 pub use on_height_field::{Against, drop_on_height_field};
 
 /// temp
-pub static CNT: [std::sync::atomic::AtomicU64; 8] = [const { std::sync::atomic::AtomicU64::new(0) }; 8];
+pub static CNT: [std::sync::atomic::AtomicU64; 8] =
+    [const { std::sync::atomic::AtomicU64::new(0) }; 8];

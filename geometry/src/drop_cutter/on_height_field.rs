@@ -1,11 +1,12 @@
 //! Drops a cutter on a height field at all places of a pattern.
 
+use super::around_node::AroundNode;
 use super::ball::Ball;
 use super::best::Best;
 use super::flat::Flat;
-use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, TableGauge};
+use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, Nearer, TableGauge};
 use super::general::General;
-use super::probes::{Around, Peaks, Vertices};
+use super::probes::{Peaks, Vertices};
 use super::search::{Ground, Probe};
 use super::shape::Shape;
 use crate::{
@@ -107,40 +108,25 @@ impl Job<'_> {
         against: Against,
     ) -> Option<Toolpath> {
         match against {
-            Against::Points => self.run(&Vertices { shape, gauge }, |_, _, _| {}),
+            Against::Points => self.run(&Vertices { shape, gauge }),
             Against::Mesh => {
-                self.run(&Peaks { shape, gauge, pitch: self.pitch(shape) }, |_, _, _| {})
+                let pitch = self.pitch(shape);
+                let by = (pitch * (1.0 + 1e-6)) as f32;
+                self.run(&Peaks { shape, gauge: Nearer { by, gauge }, pitch })
             }
         }
     }
 
     fn drop_ball(&self, ball: &Ball, against: Against) -> Option<Toolpath> {
         let pitch = self.pitch(ball);
-        let everywhere = BallGauge { least_rise: 0.0 };
-        let Some(bulge) = BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) else {
-            return self.drop_shape(ball, everywhere, against);
-        };
-        // Near the rim the bulges are not bounded. A triangle there is higher above the tip than
-        // the ball is at the least distance from the axis it can have.
-        let least_rise = (1.0 - (1.0 - bulge.far * bulge.far).sqrt()) * (1.0 - 1e-5);
-        let rim = BallGauge { least_rise: least_rise as f32 };
-        let rim = Around { ball, gauge: rim, margin: pitch, pitch };
-        let least_rise = least_rise * ball.radius;
-        self.run(&Around { ball, gauge: bulge, margin: 0.0, pitch }, |at, highest, best| {
-            if f64::from(highest) - best.tip > least_rise {
-                super::CNT[3].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                self.ground.search(&rim, at, best);
-            }
-        })
+        match BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) {
+            Some(gauge) => self.run(&AroundNode { ball, gauge, pitch }),
+            None => self.drop_shape(ball, BallGauge, against),
+        }
     }
 
-    /// Searches with `probe` at each place, then calls `finish` with the place and a height above
-    /// all nodes in reach.
-    fn run<P: Probe + Sync>(
-        &self,
-        probe: &P,
-        finish: impl Fn(DVec2, f32, &mut Best) + Sync,
-    ) -> Option<Toolpath> {
+    /// Searches with `probe` at each place.
+    fn run<P: Probe + Sync>(&self, probe: &P) -> Option<Toolpath> {
         let places = &self.pattern.points;
         let mut tips = vec![DVec3::ZERO; places.len()];
         let mut contacts = vec![Contact::NONE; places.len()];
@@ -150,8 +136,7 @@ impl Job<'_> {
             for ((&at, tip), contact) in places.iter().zip(tips).zip(contacts) {
                 let mut best = Best::NONE;
                 self.start(probe, at, known, &mut best);
-                let highest = self.ground.search(probe, at, &mut best);
-                finish(at, highest, &mut best);
+                self.ground.search(probe, at, &mut best);
                 let touched = best.tip > f64::NEG_INFINITY;
                 known = touched.then_some((at, best.node));
                 *tip = at.extend(if touched { best.tip } else { self.floor_z_mm });

@@ -30,17 +30,15 @@ pub(super) trait Probe {
     /// How far beyond the shadow blocks are looked at, / R.
     fn reach(&self) -> f64;
 
-    /// How much nearer along each axis than its nodes a block counts, / R.
-    fn margin(&self) -> f64;
-
-    /// Which of four blocks can matter, as bits: `d2` and `rise` as in the module's table, both
-    /// already on the safe side.
-    fn may_touch(&self, d2: f32x4, rise: f32x4) -> u32;
+    /// Which of four blocks can matter, as bits: `x` and `y`, not negative, are the least distances
+    /// of their nodes from the axis, / R, `rise` as in the module's table, all on the safe side.
+    fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32;
 
     /// Drops the cutter on what belongs to node (i, j).
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best);
 
     /// Drops the cutter on some of what belongs to node (i, j), for a first height.
+    #[inline]
     fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
         self.visit(ground, at, i, j, best);
     }
@@ -57,6 +55,8 @@ pub(super) struct Ground<'a> {
     /// 1 / R, raised.
     per_radius: f32,
     start_level: usize,
+    /// One for each level up to the start.
+    scales: Vec<Scale>,
 }
 
 impl<'a> Ground<'a> {
@@ -78,6 +78,7 @@ impl<'a> Ground<'a> {
             radius,
             per_radius: (1.0 / radius) as f32 * (1.0 + ROUNDING),
             start_level,
+            scales: (0..=start_level).map(|l| Scale::new(field.pitch_mm() / radius, l)).collect(),
         })
     }
 
@@ -88,35 +89,31 @@ impl<'a> Ground<'a> {
     }
 
     /// The node nearest to a place.
+    #[inline]
     pub(super) fn nearest(&self, at: DVec2) -> (usize, usize) {
-        let along =
-            |x: f64, count: usize| ((x / self.pitch).round().max(0.0) as usize).min(count - 1);
+        // The cast of a negative number is 0.
+        let along = |x: f64, count: usize| ((x / self.pitch + 0.5) as usize).min(count - 1);
         (along(at.x, self.columns), along(at.y, self.rows))
     }
 
-    /// Visits all nodes that can raise `best` for a cutter at `at`. Returns a height, in mm, that
-    /// no node within the probe's reach exceeds.
-    pub(super) fn search<P: Probe>(&self, probe: &P, at: DVec2, best: &mut Best) -> f32 {
+    /// Visits all nodes that can raise `best` for a cutter at `at`.
+    #[inline]
+    pub(super) fn search<P: Probe>(&self, probe: &P, at: DVec2, best: &mut Best) {
         let level = self.start_level;
-        let side = FACTOR.pow(level as u32) as f64 * self.pitch;
-        let reach = self.radius * (1.0 + probe.reach());
+        let scale = &self.scales[level];
         let blocks = self.pyramid.level(level);
-        let Some((i0, i1)) = blocks_within(at.x - reach, at.x + reach, side, blocks.columns) else {
-            return f32::NEG_INFINITY;
+        let walk = Walk { ground: self, probe, at, axis: at / self.radius };
+        let reach = 1.0 + probe.reach() + f64::from(ROUNDING) * scale.side;
+        let Some((i0, i1)) = blocks_within(walk.axis.x, reach, scale.side, blocks.columns) else {
+            return;
         };
-        let Some((j0, j1)) = blocks_within(at.y - reach, at.y + reach, side, blocks.rows) else {
-            return f32::NEG_INFINITY;
+        let Some((j0, j1)) = blocks_within(walk.axis.y, reach, scale.side, blocks.rows) else {
+            return;
         };
-        let walk = Walk { ground: self, probe, at };
-        let scale = Scale::new(self, probe, level);
-        let mut highest = f32x4::splat(f32::NEG_INFINITY);
         for j in j0..=j1 {
-            let y2 = walk.row_distance(&scale, j);
+            let y = walk.row_distance(scale, j);
             for i in (i0..=i1).step_by(FACTOR) {
-                let four = blocks.four(i, j);
-                highest = highest.fast_max(four);
-                let mut hits = walk.test(&scale, y2, i, four, best);
-                hits &= (1 << (i1 - i + 1).min(FACTOR)) - 1;
+                let mut hits = walk.test(scale, y, i, blocks.four(i, j), best);
                 while hits != 0 {
                     let k = hits.trailing_zeros() as usize;
                     hits &= hits - 1;
@@ -124,7 +121,6 @@ impl<'a> Ground<'a> {
                 }
             }
         }
-        highest.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// The heights of nodes (i, j) to (i + 3, j), −∞ for those beyond the border.
@@ -145,14 +141,14 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// First and last of `count` blocks that overlap a range of places.
-fn blocks_within(from: f64, to: f64, side: f64, count: usize) -> Option<(usize, usize)> {
-    // One block more each side would not hurt; rounding can't lose one that matters, because the
-    // margin of the tests is far above it and the range is widened alike.
-    let slack = f64::from(ROUNDING) * side;
-    let (first, last) = (((from - slack) / side).floor(), ((to + slack) / side).floor());
-    let overlaps = last >= 0.0 && first < count as f64;
-    overlaps.then(|| (first.max(0.0) as usize, (last as usize).min(count - 1)))
+/// First and last of `count` blocks that overlap the range from `middle - reach` to
+/// `middle + reach`.
+#[inline]
+fn blocks_within(middle: f64, reach: f64, side: f64, count: usize) -> Option<(usize, usize)> {
+    let (from, to) = ((middle - reach) / side, (middle + reach) / side);
+    // Casts cut off toward 0, and what is less to 0.
+    let overlaps = to >= 0.0 && from < count as f64;
+    overlaps.then(|| (from as usize, (to as usize).min(count - 1)))
 }
 
 /// Lengths at one level, / R.
@@ -162,61 +158,57 @@ struct Scale {
     /// Distance between the first and the last node of a block.
     spread: f32,
     /// What distances are lowered by.
-    margin: f32,
+    rounding: f32,
 }
 
 impl Scale {
-    #[inline]
-    fn new<P: Probe>(ground: &Ground, probe: &P, level: usize) -> Self {
-        let nodes = (1_usize << (2 * level)) as f64;
-        let pitch = ground.pitch / ground.radius;
+    fn new(pitch: f64, level: usize) -> Self {
+        let nodes = FACTOR.pow(level as u32) as f64;
         let side = nodes * pitch;
         let rounding = ROUNDING * (1.0 + FACTOR as f32 * side as f32);
-        let margin = probe.margin() as f32 * (1.0 + ROUNDING) + rounding;
-        Self { side, spread: ((nodes - 1.0) * pitch) as f32, margin }
+        Self { side, spread: ((nodes - 1.0) * pitch) as f32, rounding }
     }
 }
 
 struct Walk<'a, P> {
     ground: &'a Ground<'a>,
     probe: &'a P,
+    /// Place of the axis, in mm.
     at: DVec2,
+    /// The same, / R.
+    axis: DVec2,
 }
 
 impl<P: Probe> Walk<'_, P> {
-    /// Squared distance along y from the axis to the blocks of row `j`.
+    /// Distance along y from the axis to the blocks of row `j`.
     #[inline]
-    fn row_distance(&self, scale: &Scale, j: usize) -> f32 {
-        let low = (j as f64 * scale.side - self.at.y / self.ground.radius) as f32;
-        let y = low.max(-low - scale.spread) - scale.margin;
-        let y = if y > 0.0 { y } else { 0.0 };
-        y * y
+    fn row_distance(&self, scale: &Scale, j: usize) -> f32x4 {
+        let low = (j as f64 * scale.side - self.axis.y) as f32;
+        least_distance(f32x4::splat(low), scale)
     }
 
     /// Which of the blocks from `i` on can matter.
     #[inline]
-    fn test(&self, scale: &Scale, y2: f32, i: usize, highest: f32x4, best: &Best) -> u32 {
-        let first = (i as f64 * scale.side - self.at.x / self.ground.radius) as f32;
+    fn test(&self, scale: &Scale, y: f32x4, i: usize, highest: f32x4, best: &Best) -> u32 {
+        let first = (i as f64 * scale.side - self.axis.x) as f32;
         let side = scale.side as f32;
         let low = f32x4::splat(first) + f32x4::from([0.0, side, 2.0 * side, 3.0 * side]);
-        let x = low.fast_max(-low - f32x4::splat(scale.spread)) - f32x4::splat(scale.margin);
-        let x = x.fast_max(f32x4::ZERO);
-        let d2 = x * x + f32x4::splat(y2);
+        let x = least_distance(low, scale);
         let rise = (highest - f32x4::splat(best.low)) * f32x4::splat(self.ground.per_radius);
-        self.probe.may_touch(d2, rise)
+        self.probe.may_touch(x, y, rise)
     }
 
     /// Looks at the children, at `level`, of a block of the level above.
     fn descend(&self, level: usize, i: usize, j: usize, best: &mut Best) {
-        let scale = Scale::new(self.ground, self.probe, level);
+        let scale = &self.ground.scales[level];
         if level == 0 {
-            return self.descend_to_nodes(&scale, i * FACTOR, j * FACTOR, best);
+            return self.descend_to_nodes(scale, i * FACTOR, j * FACTOR, best);
         }
         let blocks = self.ground.pyramid.level(level);
         let i = i * FACTOR;
         for j in j * FACTOR..(j * FACTOR + FACTOR).min(blocks.rows) {
-            let y2 = self.row_distance(&scale, j);
-            let mut hits = self.test(&scale, y2, i, blocks.four(i, j), best);
+            let y = self.row_distance(scale, j);
+            let mut hits = self.test(scale, y, i, blocks.four(i, j), best);
             while hits != 0 {
                 let k = hits.trailing_zeros() as usize;
                 hits &= hits - 1;
@@ -227,10 +219,9 @@ impl<P: Probe> Walk<'_, P> {
 
     #[inline]
     fn descend_to_nodes(&self, scale: &Scale, i: usize, j: usize, best: &mut Best) {
-        super::CNT[if self.probe.margin() > 0.0 { 5 } else { 4 }].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         for j in j..(j + FACTOR).min(self.ground.rows) {
-            let y2 = self.row_distance(scale, j);
-            let mut hits = self.test(scale, y2, i, self.ground.four(i, j), best);
+            let y = self.row_distance(scale, j);
+            let mut hits = self.test(scale, y, i, self.ground.four(i, j), best);
             while hits != 0 {
                 let k = hits.trailing_zeros() as usize;
                 hits &= hits - 1;
@@ -238,4 +229,11 @@ impl<P: Probe> Walk<'_, P> {
             }
         }
     }
+}
+
+/// Least distance from the axis of nodes that begin at `low`, on the safe side.
+#[inline]
+fn least_distance(low: f32x4, scale: &Scale) -> f32x4 {
+    let beyond = low.fast_max(-low - f32x4::splat(scale.spread));
+    (beyond - f32x4::splat(scale.rounding)).fast_max(f32x4::ZERO)
 }

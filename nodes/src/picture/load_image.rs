@@ -6,8 +6,10 @@
 
 use crate::values::{Channels, Image, Samples};
 use carvegraph_core::{Context, InputFile, Node, NodeError, Outputs, Params};
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits, metadata::Orientation};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
+use tiff::decoder::DecodingResult;
 
 /// No picture has more pixels: 20,000 × 20,000 of them take 1.6 GB as a surface.
 const MAX_PIXELS: u64 = 400_000_000;
@@ -37,35 +39,78 @@ impl Node for LoadImage {
 
     fn run(&self, (): (), cx: &Context<'_>) -> Result<Loaded, NodeError> {
         let bytes = cx.read(&self.path)?;
-        let fail = |what: String| NodeError::Failed(format!("{} {what}", self.path));
-        let source = Watched { inner: Cursor::new(&bytes[..]), cx };
-        let mut reader = ImageReader::new(source).with_guessed_format().map_err(NodeError::failed)?;
-        if reader.format().is_none() {
-            return Err(fail(
-                "is no picture that can be read: png, jpeg, bmp, gif, tiff, webp and pnm can".into(),
-            ));
-        }
-        let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(MAX_DECODER_BYTES);
-        reader.limits(limits);
-        let broken = |fault: image::ImageError| match cx.is_cancelled() {
-            true => NodeError::Cancelled,
-            false => fail(format!("is damaged or cut short: {fault}")),
-        };
-        let mut decoder = reader.into_decoder().map_err(broken)?;
-        let (width, height) = decoder.dimensions();
-        let pixels = u64::from(width) * u64::from(height);
-        if pixels > MAX_PIXELS {
-            return Err(fail(format!(
-                "has {width} × {height} = {pixels} pixels; the limit is {MAX_PIXELS}"
-            )));
-        }
-        let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-        let mut picture = DynamicImage::from_decoder(decoder).map_err(broken)?;
-        drop(bytes);
-        picture.apply_orientation(orientation);
-        Ok(Loaded { image: to_image(picture) })
+        let image = decode(&bytes, cx).map_err(|fault| match fault {
+            _ if cx.is_cancelled() => NodeError::Cancelled,
+            fault => NodeError::Failed(format!("{} {fault}", self.path)),
+        })?;
+        Ok(Loaded { image })
     }
+}
+
+/// Why a file gives no picture; the message follows the file's name.
+#[derive(Debug, thiserror::Error)]
+enum DecodeError {
+    #[error("is no picture that can be read: png, jpeg, bmp, gif, tiff, webp and pnm can")]
+    UnknownFormat,
+    #[error("is damaged or cut short: {0}")]
+    Broken(#[from] image::ImageError),
+    #[error("has {width} × {height} = {pixels} pixels; the limit is {MAX_PIXELS}")]
+    TooLarge { width: u32, height: u32, pixels: u64 },
+}
+
+fn decode(bytes: &[u8], cx: &Context<'_>) -> Result<Image, DecodeError> {
+    let source = || Watched { inner: Cursor::new(bytes), cx };
+    let mut reader = ImageReader::new(source());
+    reader = reader.with_guessed_format().map_err(image::ImageError::IoError)?;
+    let format = reader.format().ok_or(DecodeError::UnknownFormat)?;
+    if format == ImageFormat::Tiff
+        && let Some(image) = decode_float_tiff(source())
+    {
+        return image;
+    }
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder()?;
+    let (width, height) = decoder.dimensions();
+    check_size(width, height)?;
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder)?;
+    picture.apply_orientation(orientation);
+    Ok(to_image(picture))
+}
+
+fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(DecodeError::TooLarge { width, height, pixels });
+    }
+    Ok(())
+}
+
+/// A gray floating-point TIFF, the usual form of a depth map, which the `image` crate does not
+/// read. `None` for any other TIFF.
+fn decode_float_tiff(source: Watched<'_>) -> Option<Result<Image, DecodeError>> {
+    let mut decoder = tiff::decoder::Decoder::new(source).ok()?;
+    if !matches!(decoder.colortype(), Ok(tiff::ColorType::Gray(32 | 64))) {
+        return None;
+    }
+    let (width, height) = decoder.dimensions().ok()?;
+    if let Err(fault) = check_size(width, height) {
+        return Some(Err(fault));
+    }
+    let mut limits = tiff::decoder::Limits::unlimited();
+    limits.decoding_buffer_size = usize::try_from(MAX_DECODER_BYTES).unwrap_or(usize::MAX);
+    decoder = decoder.with_limits(limits);
+    let samples = match decoder.read_image() {
+        Ok(DecodingResult::F32(samples)) => samples,
+        Ok(DecodingResult::F64(samples)) => samples.into_iter().map(|s| s as f32).collect(),
+        Ok(_) => return None,
+        Err(fault) => return Some(Err(image::ImageError::IoError(io::Error::other(fault)).into())),
+    };
+    let (width, height) = (width as usize, height as usize);
+    let samples = Samples::F32(samples);
+    Some(Ok(Image { width, height, channels: Channels::Gray, samples }))
 }
 
 fn to_image(picture: DynamicImage) -> Image {
@@ -125,5 +170,91 @@ impl BufRead for Watched<'_> {
 impl Seek for Watched<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.inner.seek(to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use image::{ExtendedColorType, ImageEncoder};
+
+    fn decoded(bytes: &[u8]) -> Result<Image, String> {
+        run(|cx| decode(bytes, cx)).map_err(|fault| fault.to_string())
+    }
+
+    fn png(width: u32, samples: &[u8], color: ExtendedColorType) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let height = samples.len() as u32 * 8 / u32::from(color.bits_per_pixel()) / width;
+        image::codecs::png::PngEncoder::new(&mut bytes)
+            .write_image(samples, width, height, color)
+            .unwrap();
+        bytes
+    }
+
+    #[test]
+    fn sixteen_bits_stay_sixteen() {
+        let samples: Vec<u16> = vec![0, 1, 256, 65535];
+        let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
+        let image = decoded(&png(2, &bytes, ExtendedColorType::L16)).unwrap();
+        assert_eq!((image.width, image.height, image.bits()), (2, 2, 16));
+        assert_eq!(image.samples, Samples::U16(samples));
+    }
+
+    #[test]
+    fn every_layout_of_channels_is_kept() {
+        for (color, channels) in [
+            (ExtendedColorType::L8, Channels::Gray),
+            (ExtendedColorType::La8, Channels::GrayAlpha),
+            (ExtendedColorType::Rgb8, Channels::Rgb),
+            (ExtendedColorType::Rgba8, Channels::Rgba),
+        ] {
+            let samples: Vec<u8> = (0..4 * channels.count() as u8).collect();
+            let image = decoded(&png(2, &samples, color)).unwrap();
+            assert_eq!((image.channels, image.samples), (channels, Samples::U8(samples)));
+        }
+    }
+
+    #[test]
+    fn a_gray_float_tiff_keeps_its_values() {
+        let samples = [0.25f32, -3.5, 1e-7, 70_000.0, 0.0, 1.0];
+        let mut bytes = Cursor::new(Vec::new());
+        tiff::encoder::TiffEncoder::new(&mut bytes)
+            .unwrap()
+            .write_image::<tiff::encoder::colortype::Gray32Float>(3, 2, &samples)
+            .unwrap();
+        let image = decoded(bytes.get_ref()).unwrap();
+        assert_eq!((image.width, image.height, image.channels), (3, 2, Channels::Gray));
+        assert_eq!(image.samples, Samples::F32(samples.to_vec()));
+    }
+
+    #[test]
+    fn a_picture_cut_short_is_refused() {
+        let whole = png(64, &[7; 64 * 64], ExtendedColorType::L8);
+        for kept in [1, 9, 40, whole.len() / 2, whole.len() - 13] {
+            assert!(decoded(&whole[..kept]).is_err(), "{kept} of {} bytes", whole.len());
+        }
+    }
+
+    #[test]
+    fn words_are_no_picture() {
+        let message = decoded(b"The quick brown fox jumps over the lazy dog").unwrap_err();
+        assert!(message.starts_with("is no picture that can be read: png, jpeg"), "{message}");
+    }
+
+    #[test]
+    fn a_turned_picture_is_set_upright() {
+        // EXIF orientation 6 in the JPEG says that the picture is to be turned 90° clockwise.
+        let mut jpeg = Vec::new();
+        let samples: Vec<u8> = [[0; 16], [255; 16]].concat().repeat(16);
+        image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 100)
+            .write_image(&samples, 32, 16, ExtendedColorType::L8)
+            .unwrap();
+        let exif: &[u8] = b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
+        let turned = [&jpeg[..2], exif, &jpeg[2..]].concat();
+        let image = decoded(&turned).unwrap();
+        assert_eq!((image.width, image.height), (16, 32));
+        let Samples::U8(samples) = image.samples else { panic!("8 bits expected") };
+        assert!(samples[0] < 10 && samples[16 * 32 - 1] > 245, "the dark half is on top");
     }
 }

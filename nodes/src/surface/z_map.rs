@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn brightness_spans_the_range_and_the_top_row_is_far() {
-        let field = map(2, &[0.2, 0.4, 0.6, 1.0], -1.0, 3.0).unwrap();
+        let field = map(2, &[0.25, 0.375, 0.5, 0.75], -1.0, 3.0).unwrap();
         assert_eq!(field.row(1), [-1.0, 0.0]);
         assert_eq!(field.row(0), [1.0, 3.0]);
     }

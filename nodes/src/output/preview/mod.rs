@@ -2,8 +2,12 @@
 
 mod color;
 mod horizon;
+mod legend;
+mod marks;
+mod path;
 mod render;
 mod resample;
+mod strokes;
 mod wood;
 
 use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
@@ -25,8 +29,8 @@ pub(crate) struct Preview {
 #[derive(Inputs)]
 pub(crate) struct Scene<'a> {
     /// The surface.
-    surface: &'a HeightField,
-    /// The path to draw.
+    surface: Option<&'a HeightField>,
+    /// The path to draw instead, above the surface if there is one.
     toolpath: Option<&'a Toolpath>,
 }
 
@@ -36,8 +40,19 @@ impl Node for Preview {
     type Outputs = ();
 
     fn run(&self, inputs: Scene<'_>, cx: &Context<'_>) -> Result<(), NodeError> {
-        let ticker = cx.ticker(render::SURFACE_WORK);
-        let picture = render::render_surface(inputs.surface, self.size, &|n| ticker.tick(n));
+        let ticker = cx.ticker(match inputs.toolpath {
+            Some(_) => path::PATH_WORK,
+            None => render::SURFACE_WORK,
+        });
+        let tick = |units| ticker.tick(units);
+        let picture = match (inputs.surface, inputs.toolpath) {
+            (surface, Some(path)) => path::render_path(surface, path, self.size, &tick),
+            (Some(surface), None) => render::render_surface(surface, self.size, &tick),
+            (None, None) => {
+                let message = "there is nothing to draw: connect a surface or a toolpath";
+                return Err(NodeError::failed(message));
+            }
+        };
         self.save(&cx.completed(picture)?, cx)
     }
 }
