@@ -98,14 +98,6 @@ fn main() {
                     sum = path.tips.iter().map(|t| t.z).sum();
                 }
                 print!("cpu {:.3} us/CL ", (cpu() - c0) / 5.0 * 1e6 / pattern.points.len() as f64);
-                for c in &CNT {
-                    print!(
-                        "{:.2} ",
-                        c.swap(0, std::sync::atomic::Ordering::Relaxed) as f64
-                            / 5.0
-                            / pattern.points.len() as f64
-                    );
-                }
                 println!(
                     "{name} {shape} {against:?}: {} CL, {:.4} s, {:.3} us/CL  sum {sum}",
                     pattern.points.len(),

@@ -20,7 +20,7 @@ mod stitch;
 mod toolpath;
 
 pub use bounds::Bounds;
-pub use drop_cutter::{Against, CNT, drop_on_height_field};
+pub use drop_cutter::{Against, drop_on_height_field};
 pub use glam::{DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
 pub use link::{LinkError, link_passes};

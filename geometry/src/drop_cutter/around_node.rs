@@ -11,8 +11,8 @@
 
 use super::ball::Ball;
 use super::best::Best;
-use super::cell::AROUND;
-use super::gauge::BulgeGauge;
+use super::cell::{AROUND, TRIANGLES};
+use super::gauge::{BulgeGauge, Gauge};
 use super::probes::drop_on_node;
 use super::search::{Ground, Probe};
 use crate::ContactKind;
@@ -76,14 +76,16 @@ impl Probe for AroundNode<'_> {
             }
         }
         if falls != 0 {
-            let node = Node { ij: (i, j), at, out, z, around, pitch: ground.pitch };
-            node.drop_on_triangles(
-                self.ball.radius,
-                j * ground.columns + i,
-                ground.columns,
-                falls,
-                best,
-            );
+            let node = Node {
+                ij: (i, j),
+                at,
+                out,
+                z,
+                around,
+                pitch: ground.pitch,
+                per_pitch: ground.per_pitch,
+            };
+            node.drop_on_triangles(self.ball.radius, falls, best);
         }
     }
 
@@ -134,42 +136,35 @@ struct Node {
     z: f64,
     around: [f64; 6],
     pitch: f64,
+    /// 1 / pitch.
+    per_pitch: f64,
 }
 
 impl Node {
-    /// Drops a ball on the triangles next to the edges in `falls`. `index` is that of the node.
-    fn drop_on_triangles(
-        &self,
-        radius: f64,
-        index: usize,
-        columns: usize,
-        falls: u32,
-        best: &mut Best,
-    ) {
-        // Triangles are numbered by their cell: of the four cells around the node, the one to the
-        // lower left comes first.
-        let cells = [0, 0, 1, columns + 1, columns + 1, columns];
+    /// Drops a ball on the triangles next to the edges in `falls`.
+    fn drop_on_triangles(&self, radius: f64, falls: u32, best: &mut Best) {
         // Triangle k lies between edges k and k + 1.
         let mut triangles = falls | falls >> 1 | (falls & 1) << 5;
         while triangles != 0 {
             let k = triangles.trailing_zeros() as usize;
             triangles &= triangles - 1;
-            let upper = usize::from(matches!(k, 1 | 3 | 5));
-            if best.is_new(index.wrapping_sub(cells[k]).wrapping_mul(2) + upper) {
+            let (di, dj, upper) = TRIANGLES[k];
+            // Beyond the border the number wraps, and the heights are NaN.
+            let cell = (self.ij.0.wrapping_add_signed(di), self.ij.1.wrapping_add_signed(dj));
+            if best.is_new(cell, upper) {
                 self.drop_on_triangle(radius, k, falls, best);
             }
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn drop_on_triangle(&self, radius: f64, k: usize, falls: u32, best: &mut Best) {
-        super::CNT[2].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         let next = if k == 5 { 0 } else { k + 1 };
         let [a, b] = SHARES[k];
         let (rise_a, rise_b) = (self.around[k] - self.z, self.around[next] - self.z);
         let (slope_x, slope_y) = (
-            (a.x * rise_a + b.x * rise_b) / self.pitch,
-            (a.y * rise_a + b.y * rise_b) / self.pitch,
+            (a.x * rise_a + b.x * rise_b) * self.per_pitch,
+            (a.y * rise_a + b.y * rise_b) * self.per_pitch,
         );
         let steep = (1.0 + (slope_x * slope_x + slope_y * slope_y)).sqrt();
         let at_axis = self.z - (slope_x * self.out.x + slope_y * self.out.y);

@@ -22,7 +22,7 @@ pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0),
 
 /// The cell of each triangle around a node, relative to it, and whether it is the one above the
 /// cell's diagonal.
-const TRIANGLES: [(isize, isize, bool); 6] =
+pub(super) const TRIANGLES: [(isize, isize, bool); 6] =
     [(0, 0, false), (0, 0, true), (-1, 0, false), (-1, -1, true), (-1, -1, false), (0, -1, true)];
 
 /// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.

@@ -35,7 +35,3 @@ mod shape;
 #[cfg(doc)]
 use crate::Profile;
 pub use on_height_field::{Against, drop_on_height_field};
-
-/// temp
-pub static CNT: [std::sync::atomic::AtomicU64; 8] =
-    [const { std::sync::atomic::AtomicU64::new(0) }; 8];

@@ -50,6 +50,8 @@ pub(super) struct Ground<'a> {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) pitch: f64,
+    /// 1 / pitch.
+    pub(super) per_pitch: f64,
     pyramid: Pyramid,
     radius: f64,
     /// 1 / R, raised.
@@ -74,6 +76,7 @@ impl<'a> Ground<'a> {
             columns: field.columns(),
             rows: field.rows(),
             pitch: field.pitch_mm(),
+            per_pitch: 1.0 / field.pitch_mm(),
             pyramid,
             radius,
             per_radius: (1.0 / radius) as f32 * (1.0 + ROUNDING),
@@ -92,7 +95,7 @@ impl<'a> Ground<'a> {
     #[inline]
     pub(super) fn nearest(&self, at: DVec2) -> (usize, usize) {
         // The cast of a negative number is 0.
-        let along = |x: f64, count: usize| ((x / self.pitch + 0.5) as usize).min(count - 1);
+        let along = |x: f64, count: usize| ((x * self.per_pitch + 0.5) as usize).min(count - 1);
         (along(at.x, self.columns), along(at.y, self.rows))
     }
 
