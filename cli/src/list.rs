@@ -249,8 +249,10 @@ pub(crate) fn plan(
             Some(Step::Rest(why)) => format!("rests: {why}"),
             None => String::new(),
         };
-        let sources: Vec<&str> =
+        let mut sources: Vec<&str> =
             node.inputs.iter().flatten().map(|wire| graph.nodes[wire.node].id.as_str()).collect();
+        sources.sort_unstable();
+        sources.dedup();
         vec![node.id.clone(), graph.kind(node).name.to_owned(), doing, sources.join(" ")]
     };
     let head = ["NODE", "KIND", "", "READS"].map(str::to_owned).to_vec();

@@ -350,4 +350,14 @@ mod tests {
         assert!(matches!(Profile::ball(0.0), Err(ProfileError::BadLength { .. })));
         assert!(matches!(Profile::flat(f64::INFINITY), Err(ProfileError::BadLength { .. })));
     }
+
+    #[test]
+    fn what_is_read_is_checked() {
+        let bull = Profile::bull_nose(3.0, 1.0).unwrap();
+        let text = serde_json::to_string(&bull).unwrap();
+        assert_eq!(serde_json::from_str::<Profile>(&text).unwrap(), bull);
+        let falls = r#"[{"Line":{"to":[1.0,1.0]}},{"Line":{"to":[2.0,0.5]}}]"#;
+        let error = serde_json::from_str::<Profile>(falls).unwrap_err();
+        assert!(error.to_string().contains("segment 2 of the profile goes back"), "{error}");
+    }
 }

@@ -11,16 +11,13 @@
 
 use super::ball::Ball;
 use super::best::Best;
-use super::cell::{AROUND, TRIANGLES};
+use super::cell::{ALL_EDGES, AROUND, falling_edges, heights_around};
 use super::gauge::{BulgeGauge, Gauge};
 use super::probes::drop_on_node;
 use super::search::{Ground, Probe};
 use crate::ContactKind;
 use glam::DVec2;
 use wide::f32x4;
-
-/// Bits of all edges.
-const ALL_EDGES: u32 = 0b11_1111;
 
 /// Edges around a node, in pitches.
 const EDGES: [DVec2; 6] = {
@@ -33,12 +30,11 @@ const EDGES: [DVec2; 6] = {
     edges
 };
 
-/// α = first · place, β = second · place, place in pitches from the node.
-const SHARES: [[DVec2; 2]; 6] = {
-    let (x, y, xy) = (DVec2::X, DVec2::Y, DVec2::new(1.0, -1.0));
-    let (mx, my, yx) = (DVec2::NEG_X, DVec2::NEG_Y, DVec2::new(-1.0, 1.0));
-    [[xy, y], [x, yx], [y, mx], [yx, my], [mx, xy], [my, x]]
-};
+/// α = x · first + y · second, x and y a place in pitches from the node.
+const ALPHA: [[f64; 6]; 2] = [[1.0, 1.0, 0.0, -1.0, -1.0, 0.0], [-1.0, 0.0, 1.0, 1.0, 0.0, -1.0]];
+
+/// β, likewise.
+const BETA: [[f64; 6]; 2] = [[0.0, -1.0, -1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, -1.0, -1.0, 0.0]];
 
 /// Probe for a ball against the mesh.
 pub(super) struct AroundNode<'a> {
@@ -75,7 +71,9 @@ impl Probe for AroundNode<'_> {
                 falls = falling_edges(z, &around, out * (ground.pitch / root), best.tip - tip);
             }
         }
+        falls = not_done(falls, i, j, best);
         if falls != 0 {
+            best.mark_done((i, j));
             let node = Node {
                 ij: (i, j),
                 at,
@@ -85,7 +83,7 @@ impl Probe for AroundNode<'_> {
                 pitch: ground.pitch,
                 per_pitch: ground.per_pitch,
             };
-            node.drop_on_triangles(self.ball.radius, falls, best);
+            node.drop_on_star(self.ball.radius, falls, best);
         }
     }
 
@@ -95,35 +93,48 @@ impl Probe for AroundNode<'_> {
     }
 }
 
-/// Heights at the other ends of the edges around a node; NaN beyond the border.
+/// The edges in `falls` but those to nodes around which all was tested already: all that can be
+/// touched where the clearance falls along an edge has both of its ends for corners.
 #[inline]
-fn heights_around(ground: &Ground, i: usize, j: usize) -> [f64; 6] {
-    let (columns, at) = (ground.columns, j * ground.columns + i);
-    if i > 0 && j > 0 && i + 1 < columns && j + 1 < ground.rows {
-        let h = |k: usize| f64::from(ground.heights[k]);
-        let up = at + columns;
-        let down = at - columns;
-        return [h(at + 1), h(up + 1), h(up), h(at - 1), h(down - 1), h(down)];
+fn not_done(falls: u32, i: usize, j: usize, best: &Best) -> u32 {
+    let (mut left, mut edges) = (falls, falls);
+    while edges != 0 {
+        let k = edges.trailing_zeros() as usize;
+        edges &= edges - 1;
+        let (di, dj) = AROUND[k];
+        // Beyond the border the number wraps and is no node's.
+        let end = (i.wrapping_add_signed(di), j.wrapping_add_signed(dj));
+        left &= !(u32::from(best.is_done(end)) << k);
     }
-    AROUND.map(|(di, dj)| {
-        let (i, j) = (i.wrapping_add_signed(di), j.wrapping_add_signed(dj));
-        if i < columns && j < ground.rows { ground.height(i, j) } else { f64::NAN }
-    })
+    left
 }
 
-/// Bits of the edges along which the clearance's tangent falls below 0. `climb` is the rise of h
-/// over a pitch along x and y.
-#[inline]
-fn falling_edges(z: f64, around: &[f64; 6], climb: DVec2, clearance: f64) -> u32 {
-    let base = clearance + z;
-    let (x, y, xy) = (climb.x, climb.y, climb.x + climb.y);
-    // NaN, beyond the border, does not fall.
-    u32::from(base + x < around[0])
-        | u32::from(base + xy < around[1]) << 1
-        | u32::from(base + y < around[2]) << 2
-        | u32::from(base - x < around[3]) << 3
-        | u32::from(base - xy < around[4]) << 4
-        | u32::from(base - y < around[5]) << 5
+/// Contacts of a ball with the planes of the triangles around a node; NaN beyond the border.
+struct Planes {
+    /// Height of the tip, in mm.
+    tip: [f64; 6],
+    /// Contact from the node, in mm.
+    x: [f64; 6],
+    y: [f64; 6],
+    /// Least of α, β and 1 − α − β, times the pitch: not negative in the triangle.
+    room: [f64; 6],
+}
+
+impl Planes {
+    /// Bits of the planes on which the tip is not below `tip`; NaN counts.
+    #[inline(always)]
+    fn above(&self, tip: f64) -> u32 {
+        let below = |k: usize| u32::from(self.tip[k] <= tip) << k;
+        let below = below(0) | below(1) | below(2) | below(3) | below(4) | below(5);
+        !below & ALL_EDGES
+    }
+
+    /// Bits of the planes whose contact lies in the triangle.
+    #[inline(always)]
+    fn held(&self) -> u32 {
+        let held = |k: usize| u32::from(self.room[k] >= 0.0) << k;
+        held(0) | held(1) | held(2) | held(3) | held(4) | held(5)
+    }
 }
 
 /// A node and what is around it.
@@ -141,62 +152,62 @@ struct Node {
 }
 
 impl Node {
-    /// Drops a ball on the triangles next to the edges in `falls`.
-    fn drop_on_triangles(&self, radius: f64, falls: u32, best: &mut Best) {
-        // Triangle k lies between edges k and k + 1.
-        let mut triangles = falls | falls >> 1 | (falls & 1) << 5;
-        while triangles != 0 {
-            let k = triangles.trailing_zeros() as usize;
-            triangles &= triangles - 1;
-            let (di, dj, upper) = TRIANGLES[k];
-            // Beyond the border the number wraps, and the heights are NaN.
-            let cell = (self.ij.0.wrapping_add_signed(di), self.ij.1.wrapping_add_signed(dj));
-            if best.is_new(cell, upper) {
-                self.drop_on_triangle(radius, k, falls, best);
-            }
+    /// Drops a ball on the triangles around, and on those edges from the node that are in `falls`.
+    ///
+    /// The edges across from the node are left to the visits of their own ends: an edge can only be
+    /// touched if one of its two ends could not be ruled out.
+    fn drop_on_star(&self, radius: f64, falls: u32, best: &mut Best) {
+        let planes = self.planes(radius);
+        let mut held = planes.above(best.tip) & planes.held();
+        while held != 0 {
+            let k = held.trailing_zeros() as usize;
+            held &= held - 1;
+            let (x, y) = (planes.x[k], planes.y[k]);
+            best.raise(planes.tip[k], ContactKind::Facet, self.ij, || {
+                let next = if k == 5 { 0 } else { k + 1 };
+                let alpha = (ALPHA[0][k] * x + ALPHA[1][k] * y) * self.per_pitch;
+                let beta = (BETA[0][k] * x + BETA[1][k] * y) * self.per_pitch;
+                let rise = alpha * (self.around[k] - self.z) + beta * (self.around[next] - self.z);
+                (self.at + self.out + DVec2::new(x, y)).extend(self.z + rise)
+            });
+        }
+        // An edge lies in two planes and is not higher than either.
+        let above = planes.above(best.tip);
+        let mut edges = falls & above & (above << 1 | above >> 5);
+        while edges != 0 {
+            let k = edges.trailing_zeros() as usize;
+            edges &= edges - 1;
+            self.drop_on_edge(radius, k, best);
         }
     }
 
+    /// The planes of the six triangles.
     #[inline(always)]
-    fn drop_on_triangle(&self, radius: f64, k: usize, falls: u32, best: &mut Best) {
-        let next = if k == 5 { 0 } else { k + 1 };
-        let [a, b] = SHARES[k];
-        let (rise_a, rise_b) = (self.around[k] - self.z, self.around[next] - self.z);
-        let (slope_x, slope_y) = (
-            (a.x * rise_a + b.x * rise_b) * self.per_pitch,
-            (a.y * rise_a + b.y * rise_b) * self.per_pitch,
-        );
-        let steep = (1.0 + (slope_x * slope_x + slope_y * slope_y)).sqrt();
-        let at_axis = self.z - (slope_x * self.out.x + slope_y * self.out.y);
-        let tip = at_axis + radius * (steep - 1.0);
-        // Written so that NaN, beyond the border, is not above.
-        if !(tip > best.tip) {
-            return;
+    fn planes(&self, radius: f64) -> Planes {
+        let (z, n) = (self.z, &self.around);
+        let across = [n[0] - z, n[1] - n[2], z - n[3], z - n[3], n[5] - n[4], n[0] - z];
+        let along = [n[1] - n[0], n[2] - z, n[2] - z, n[3] - n[4], z - n[5], z - n[5]];
+        let (mut tip, mut x, mut y, mut room) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0; 6]);
+        for k in 0..6 {
+            let (slope_x, slope_y) = (across[k] * self.per_pitch, along[k] * self.per_pitch);
+            let steep = (1.0 + (slope_x * slope_x + slope_y * slope_y)).sqrt();
+            let at_axis = z - (slope_x * self.out.x + slope_y * self.out.y);
+            tip[k] = at_axis + radius * (steep - 1.0);
+            let reach = radius / steep;
+            (x[k], y[k]) = (slope_x * reach - self.out.x, slope_y * reach - self.out.y);
+            let alpha = ALPHA[0][k] * x[k] + ALPHA[1][k] * y[k];
+            let beta = BETA[0][k] * x[k] + BETA[1][k] * y[k];
+            let rest = self.pitch - (alpha + beta);
+            let least = if alpha < beta { alpha } else { beta };
+            room[k] = if rest < least { rest } else { least };
         }
-        let reach = radius / steep;
-        let (x, y) = (slope_x * reach - self.out.x, slope_y * reach - self.out.y);
-        let (alpha, beta) = (a.x * x + a.y * y, b.x * x + b.y * y);
-        if alpha >= 0.0 && beta >= 0.0 && alpha + beta <= self.pitch {
-            let z = self.z + (slope_x * x + slope_y * y);
-            let point = || (self.at + self.out + DVec2::new(x, y)).extend(z);
-            return best.raise(tip, ContactKind::Facet, self.ij, point);
-        }
-        if beta < 0.0 && falls & (1 << k) != 0 {
-            self.drop_on_edge(radius, self.out, self.z, rise_a, k, best);
-        }
-        if alpha < 0.0 && falls & (1 << next) != 0 {
-            self.drop_on_edge(radius, self.out, self.z, rise_b, next, best);
-        }
-        if alpha + beta > self.pitch {
-            let from = self.out + EDGES[k] * self.pitch;
-            let across = if next == 5 { 0 } else { next + 1 };
-            self.drop_on_edge(radius, from, self.around[k], rise_b - rise_a, across, best);
-        }
+        Planes { tip, x, y, room }
     }
 
-    /// Drops a ball on the edge that goes from a node at `from` the way of [`EDGES`] `k`.
+    /// Drops a ball on edge `k` from the node.
     #[inline]
-    fn drop_on_edge(&self, radius: f64, from: DVec2, z: f64, rise: f64, k: usize, best: &mut Best) {
+    fn drop_on_edge(&self, radius: f64, k: usize, best: &mut Best) {
+        let (from, z, rise) = (self.out, self.z, self.around[k] - self.z);
         let way = EDGES[k];
         // Everything in terms of t, the share of the edge, whose length in pitches is 1 or √2.
         let length = self.pitch * if k % 3 == 1 { std::f64::consts::SQRT_2 } else { 1.0 };

@@ -33,6 +33,12 @@ impl Shape for Ball {
     }
 
     #[inline]
+    fn slope(&self, r2: f64) -> Option<f64> {
+        let inside = self.radius * self.radius - r2;
+        (inside > 0.0).then(|| (r2 / inside).sqrt())
+    }
+
+    #[inline]
     fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
         let steep = (1.0 + triangle.slope.length_squared()).sqrt();
         let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);

@@ -13,8 +13,8 @@ pub(super) struct Best {
     pub(super) contact: Contact,
     /// The node whose visit found it.
     pub(super) node: (usize, usize),
-    /// The cells of triangles tested, at places found by [`Self::is_new`].
-    tested: [(usize, usize); 16],
+    /// Nodes around which all was tested, each at its [`place_of`].
+    done: [(usize, usize); 16],
 }
 
 impl Best {
@@ -23,17 +23,19 @@ impl Best {
         low: f32::MIN,
         contact: Contact::NONE,
         node: (0, 0),
-        tested: [(usize::MAX, usize::MAX); 16],
+        done: [(usize::MAX, usize::MAX); 16],
     };
 
-    /// Whether a triangle, told by its cell and which half of it, is not known to have been tested;
-    /// from now on it is. Neighbours have places of their own, so that few are tested again.
+    /// Remembers that all around a node was tested. A later node may take its place.
     #[inline]
-    pub(super) fn is_new(&mut self, cell: (usize, usize), upper: bool) -> bool {
-        let half = usize::from(upper);
-        let place = (cell.0 % 4) * 2 + half + (cell.1 % 2) * 8;
-        let before = std::mem::replace(&mut self.tested[place], cell);
-        before != cell
+    pub(super) fn mark_done(&mut self, node: (usize, usize)) {
+        self.done[place_of(node)] = node;
+    }
+
+    /// Whether all around a node is known to have been tested.
+    #[inline]
+    pub(super) fn is_done(&self, node: (usize, usize)) -> bool {
+        self.done[place_of(node)] == node
     }
 
     /// Takes over a contact if it is higher.
@@ -54,4 +56,10 @@ impl Best {
             self.node = node;
         }
     }
+}
+
+/// Nodes within four of each other have places of their own.
+#[inline]
+fn place_of(node: (usize, usize)) -> usize {
+    node.0 % 4 + node.1 % 4 * 4
 }

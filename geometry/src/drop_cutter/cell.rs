@@ -20,10 +20,44 @@ use glam::{DVec2, DVec3};
 /// Edges around a node: columns and rows to the other end.
 pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
 
+/// Bits of all edges around a node.
+pub(super) const ALL_EDGES: u32 = 0b11_1111;
+
 /// The cell of each triangle around a node, relative to it, and whether it is the one above the
 /// cell's diagonal.
-pub(super) const TRIANGLES: [(isize, isize, bool); 6] =
+const TRIANGLES: [(isize, isize, bool); 6] =
     [(0, 0, false), (0, 0, true), (-1, 0, false), (-1, -1, true), (-1, -1, false), (0, -1, true)];
+
+/// Heights at the other ends of the edges around a node; NaN beyond the border.
+#[inline]
+pub(super) fn heights_around(ground: &Ground, i: usize, j: usize) -> [f64; 6] {
+    let (columns, at) = (ground.columns, j * ground.columns + i);
+    if i > 0 && j > 0 && i + 1 < columns && j + 1 < ground.rows {
+        let h = |k: usize| f64::from(ground.heights[k]);
+        let up = at + columns;
+        let down = at - columns;
+        return [h(at + 1), h(up + 1), h(up), h(at - 1), h(down - 1), h(down)];
+    }
+    AROUND.map(|(di, dj)| {
+        let (i, j) = (i.wrapping_add_signed(di), j.wrapping_add_signed(dj));
+        if i < columns && j < ground.rows { ground.height(i, j) } else { f64::NAN }
+    })
+}
+
+/// Bits of the edges along which the clearance's tangent falls below 0. `climb` is the rise of h
+/// over a pitch along x and y.
+#[inline]
+pub(super) fn falling_edges(z: f64, around: &[f64; 6], climb: DVec2, clearance: f64) -> u32 {
+    let base = clearance + z;
+    let (x, y, xy) = (climb.x, climb.y, climb.x + climb.y);
+    // NaN, beyond the border, does not fall.
+    u32::from(base + x < around[0])
+        | u32::from(base + xy < around[1]) << 1
+        | u32::from(base + y < around[2]) << 2
+        | u32::from(base - x < around[3]) << 3
+        | u32::from(base - xy < around[4]) << 4
+        | u32::from(base - y < around[5]) << 5
+}
 
 /// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.
 pub(super) struct Triangle {

@@ -26,6 +26,11 @@ impl Shape for Flat {
     }
 
     #[inline]
+    fn slope(&self, r2: f64) -> Option<f64> {
+        (r2 <= self.radius * self.radius).then_some(0.0)
+    }
+
+    #[inline]
     fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
         let steep = triangle.slope.length();
         let tip = triangle.height_at_axis() + self.radius * steep;

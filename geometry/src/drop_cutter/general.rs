@@ -28,6 +28,10 @@ const MAX_STEPS: usize = 60;
 /// The solved place is this exact, relative to R. The tip is exact to the square of it.
 const PLACE_EXACT: f64 = 1e-12;
 
+/// Pieces whose slopes differ by less are meant to join without a corner. What can be lost by this
+/// is a share of R.
+const TANGENT: f64 = 1e-9;
+
 /// A piece that is not upright, from r0 to r1.
 struct Piece {
     r0: f64,
@@ -47,9 +51,21 @@ pub(super) struct General {
     pieces: Vec<Piece>,
     /// Ends (r, h) of pieces, r > 0; at a shoulder its foot.
     ends: Vec<(f64, f64)>,
+    /// Whether h is convex.
+    convex: bool,
 }
 
 impl Piece {
+    fn slope(&self, r: f64) -> f64 {
+        match self.curve {
+            Curve::Line { slope } => slope,
+            Curve::Arc { r_center, rho, .. } => {
+                let out = r - r_center;
+                out / (rho * rho - out * out).max(0.0).sqrt()
+            }
+        }
+    }
+
     fn height(&self, r: f64) -> f64 {
         match self.curve {
             Curve::Line { slope } => self.h0 + (r - self.r0) * slope,
@@ -59,6 +75,14 @@ impl Piece {
             }
         }
     }
+}
+
+/// Whether the slopes of pieces rise from one to the next, without a shoulder between.
+fn is_convex(pieces: &[Piece], ends: &[(f64, f64)]) -> bool {
+    pieces.windows(2).zip(ends).all(|(pair, &(r, h))| {
+        let (before, after) = (pair[0].slope(r), pair[1].slope(r));
+        pair[1].h0 <= h && before <= after + TANGENT
+    })
 }
 
 impl General {
@@ -83,7 +107,8 @@ impl General {
             pieces.push(Piece { r0: from[0], h0: from[1], r1: to[0], curve });
             ends.push((to[0], to[1]));
         }
-        Self { radius: profile.radius_mm(), pieces, ends }
+        let convex = is_convex(&pieces, &ends);
+        Self { radius: profile.radius_mm(), pieces, ends, convex }
     }
 
     fn height_at(&self, r: f64) -> f64 {
@@ -114,6 +139,12 @@ impl Shape for General {
 
     fn height(&self, r2: f64) -> f64 {
         self.height_at(r2.sqrt())
+    }
+
+    fn slope(&self, r2: f64) -> Option<f64> {
+        let r = r2.sqrt();
+        let piece = self.pieces.iter().filter(|_| self.convex).find(|piece| r <= piece.r1)?;
+        Some(piece.slope(r)).filter(|slope| slope.is_finite())
     }
 
     fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {

@@ -113,15 +113,9 @@ impl<'a> Ground<'a> {
         let Some((j0, j1)) = blocks_within(walk.axis.y, reach, scale.side, blocks.rows) else {
             return;
         };
-        for j in j0..=j1 {
-            let y = walk.row_distance(scale, j);
-            for i in (i0..=i1).step_by(FACTOR) {
-                let mut hits = walk.test(scale, y, i, blocks.four(i, j), best);
-                while hits != 0 {
-                    let k = hits.trailing_zeros() as usize;
-                    hits &= hits - 1;
-                    walk.descend(level - 1, i + k, j, best);
-                }
+        for i in (i0..=i1).step_by(FACTOR) {
+            for j in (j0..=j1).step_by(2 * FACTOR) {
+                walk.search_blocks(scale, level, (i, j), (j1 - j + 1).min(2 * FACTOR), best);
             }
         }
     }
@@ -201,6 +195,30 @@ impl<P: Probe> Walk<'_, P> {
         self.probe.may_touch(x, y, rise)
     }
 
+    /// Looks at four columns and up to eight rows of blocks at the start level.
+    #[inline]
+    fn search_blocks(
+        &self,
+        scale: &Scale,
+        level: usize,
+        (i, j): (usize, usize),
+        rows: usize,
+        best: &mut Best,
+    ) {
+        // All tests first, without a branch between them.
+        let blocks = self.ground.pyramid.level(level);
+        let mut hits = 0_u32;
+        for row in 0..rows {
+            let y = self.row_distance(scale, j + row);
+            hits |= self.test(scale, y, i, blocks.four(i, j + row), best) << (row * FACTOR);
+        }
+        while hits != 0 {
+            let k = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            self.descend(level - 1, i + k % FACTOR, j + k / FACTOR, best);
+        }
+    }
+
     /// Looks at the children, at `level`, of a block of the level above.
     fn descend(&self, level: usize, i: usize, j: usize, best: &mut Best) {
         let scale = &self.ground.scales[level];
@@ -222,14 +240,17 @@ impl<P: Probe> Walk<'_, P> {
 
     #[inline]
     fn descend_to_nodes(&self, scale: &Scale, i: usize, j: usize, best: &mut Best) {
-        for j in j..(j + FACTOR).min(self.ground.rows) {
-            let y = self.row_distance(scale, j);
-            let mut hits = self.test(scale, y, i, self.ground.four(i, j), best);
-            while hits != 0 {
-                let k = hits.trailing_zeros() as usize;
-                hits &= hits - 1;
-                self.probe.visit(self.ground, self.at, i + k, j, best);
-            }
+        // All tests first, without a branch between them.
+        let mut hits = 0_u32;
+        for row in 0..FACTOR.min(self.ground.rows - j) {
+            let y = self.row_distance(scale, j + row);
+            let four = self.ground.four(i, j + row);
+            hits |= self.test(scale, y, i, four, best) << (row * FACTOR);
+        }
+        while hits != 0 {
+            let k = hits.trailing_zeros() as usize;
+            hits &= hits - 1;
+            self.probe.visit(self.ground, self.at, i + k % FACTOR, j + k / FACTOR, best);
         }
     }
 }

@@ -16,6 +16,10 @@ pub(super) trait Shape: Sync {
     /// h at the squared distance `r2` from the axis, in mm; infinite beyond R.
     fn height(&self, r2: f64) -> f64;
 
+    /// A slope of h at the squared distance `r2`, between its slopes inward and outward, if h is
+    /// convex as a whole and the slope is finite.
+    fn slope(&self, r2: f64) -> Option<f64>;
+
     /// Drops on the inside of a triangle. Returns the tip on the triangle's whole plane, in mm,
     /// which no contact with the triangle, its edges or vertices exceeds.
     fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64;

@@ -147,7 +147,7 @@ fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
 
 /// Greatest value of a function over 0 ..= 1 that has few humps.
 fn maximum(f: impl Fn(f64) -> f64) -> f64 {
-    const SAMPLES: usize = 400;
+    const SAMPLES: usize = 200;
     let at = |k: usize| f(k as f64 / SAMPLES as f64);
     let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
     let mut best = f64::NEG_INFINITY;
@@ -161,11 +161,11 @@ fn maximum(f: impl Fn(f64) -> f64) -> f64 {
     best
 }
 
-/// Golden section, sixty steps; a jump to −∞ is only a border.
+/// Golden section, fifty steps; a jump to −∞ is only a border.
 fn climb(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let mut best = f64::NEG_INFINITY;
-    for _ in 0..80 {
+    for _ in 0..50 {
         let (a, b) = (high - golden * (high - low), low + golden * (high - low));
         let (fa, fb) = (f(a), f(b));
         best = best.max(fa).max(fb);

@@ -4,8 +4,8 @@ use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params}
 use carvegraph_geometry::{Bounds, Pattern, Raster, RasterStyle};
 use std::f64::consts::FRAC_PI_2;
 
-/// No pattern has more points: a path of them takes 6 GB.
-const MAX_POINTS: f64 = 1e8;
+/// No pattern has more points: from the path of them to its program they take some 7 GB.
+const MAX_POINTS: f64 = 5e7;
 
 /// Lays parallel passes over a part, along its longer side if nothing else is said.
 #[derive(Clone, Debug, Params)]

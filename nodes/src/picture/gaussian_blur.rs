@@ -51,8 +51,8 @@ impl Node for GaussianBlur {
             .par_chunks_mut(BAND_ROWS * width)
             .enumerate()
             .try_for_each(|(band, out)| {
-                blur_band(inputs.image, &weights, band * BAND_ROWS, out);
-                ticker.tick(out.len() / width).then_some(())
+                let tick = || ticker.tick(1);
+                blur_band(inputs.image, &weights, band * BAND_ROWS, out, &tick)
             })
             .ok_or(NodeError::Cancelled)?;
         Ok(Soft { image: GrayImage { width: *width, height: *height, values: blurred } })
@@ -83,8 +83,14 @@ fn reflect(i: isize, count: usize) -> usize {
     if i < count as isize { i as usize } else { (period - i) as usize }
 }
 
-/// Blurs the rows from `first` on into `out`.
-fn blur_band(image: &GrayImage, weights: &[f32], first: usize, out: &mut [f32]) {
+/// Blurs the rows from `first` on into `out`. `tick` is called for each; `None` if it says stop.
+fn blur_band(
+    image: &GrayImage,
+    weights: &[f32],
+    first: usize,
+    out: &mut [f32],
+    tick: &dyn Fn() -> bool,
+) -> Option<()> {
     let (width, reach) = (image.width, weights.len() / 2);
     let rows = out.len() / width;
     let mut along_x = vec![0.0; (rows + 2 * reach) * width];
@@ -98,7 +104,11 @@ fn blur_band(image: &GrayImage, weights: &[f32], first: usize, out: &mut [f32]) 
                 *value += weight * source;
             }
         }
+        if !tick() {
+            return None;
+        }
     }
+    Some(())
 }
 
 fn blur_line(line: &[f32], weights: &[f32], out: &mut [f32]) {
@@ -206,7 +216,7 @@ mod tests {
         let picture = ramp(rows * 3);
         let image = GrayImage { width: 3, height: rows, values: picture.clone() };
         let mut whole = vec![0.0; picture.len()];
-        blur_band(&image, &weights(9), 0, &mut whole);
+        blur_band(&image, &weights(9), 0, &mut whole, &|| true).unwrap();
         assert_eq!(blur(9, 3, &picture), whole);
     }
 }

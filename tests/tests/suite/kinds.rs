@@ -1,0 +1,206 @@
+//! Every kind of node is documented, has defaults that it would take, serves a recipe, and is
+//! tested.
+
+use crate::bench::workspace;
+use carvegraph_core::units::Dimension;
+use carvegraph_core::{Catalogs, Graph, Origin, ParamKind, ParamValue, Registry};
+use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Kinds whose work lies in a kernel of geometry/ and which add nothing to it that a test of their
+/// own could look at; the kernel's tests and this suite's runs are theirs.
+const TESTED_ELSEWHERE: [(&str, &str); 6] = [
+    ("cutter", "plugins/cutters/tests/shapes.rs"),
+    ("link", "geometry/src/link.rs"),
+    ("point_cloud", "geometry/src/stitch.rs"),
+    ("raster", "geometry/src/raster.rs"),
+    ("reduce_cl", "geometry/src/reduce/mod.rs"),
+    ("stitch", "geometry/src/stitch.rs"),
+];
+
+fn standard() -> Registry {
+    let cutters = Cutters(carvegraph_cutters::standard());
+    registry(cutters, Dialects(carvegraph_dialects::standard())).unwrap()
+}
+
+/// All of a text that a user reads is a sentence or more.
+#[track_caller]
+fn assert_prose(what: &str, text: &str) {
+    assert!(text.trim() == text && text.ends_with('.'), "{what}: no sentence: {text:?}");
+    let first = text.chars().next().unwrap();
+    assert!(!first.is_lowercase(), "{what}: begins small: {text:?}");
+    assert!(!text.contains("  ") && !text.contains("TODO"), "{what}: {text:?}");
+}
+
+#[test]
+fn everything_is_documented() {
+    let registry = standard();
+    for kind in registry.kinds() {
+        assert_prose(kind.name, kind.about);
+        assert!(kind.version >= 1);
+        for port in kind.inputs.iter().chain(&kind.outputs) {
+            assert_prose(&format!("{}.{}", kind.name, port.name), port.about);
+        }
+        for param in &kind.params {
+            let what = format!("{}.{}", kind.name, param.name);
+            assert_prose(&what, param.about);
+            if let ParamKind::Choice(options) = &param.kind {
+                assert!(options.len() > 1, "{what} leaves no choice");
+                options.iter().for_each(|o| assert_prose(&format!("{what}={}", o.name), o.about));
+            }
+        }
+    }
+    for port_type in registry.types() {
+        assert!(!port_type.about.is_empty(), "{}", port_type.name);
+    }
+}
+
+#[test]
+fn names_are_words_of_recipes() {
+    let fits = |name: &str| {
+        !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+    };
+    for kind in standard().kinds() {
+        assert!(fits(kind.name), "{}", kind.name);
+        let ports = kind.inputs.iter().chain(&kind.outputs).map(|port| port.name);
+        for name in ports.chain(kind.params.iter().map(|param| param.name)) {
+            assert!(fits(name), "{}.{name}", kind.name);
+        }
+        let distinct = |names: Vec<&str>| names.iter().collect::<BTreeSet<_>>().len() == names.len();
+        assert!(distinct(kind.inputs.iter().map(|port| port.name).collect()), "{}", kind.name);
+        assert!(distinct(kind.outputs.iter().map(|port| port.name).collect()), "{}", kind.name);
+        assert!(distinct(kind.params.iter().map(|param| param.name).collect()), "{}", kind.name);
+    }
+}
+
+#[test]
+fn numbers_have_units_and_bounds() {
+    for kind in standard().kinds() {
+        for param in &kind.params {
+            let what = format!("{}.{}", kind.name, param.name);
+            if let ParamKind::Number { dimension, min, max } = param.kind {
+                assert!(min.is_finite() && max.is_finite() && min < max, "{what}: {min} to {max}");
+                assert_ne!(dimension, Dimension::Plain, "{what} has no unit");
+            }
+            if let ParamKind::Integer { min, max, .. } = param.kind {
+                assert!(min < max, "{what}: {min} to {max}");
+            }
+        }
+    }
+}
+
+fn in_catalog(catalogs: &Catalogs, catalog: &str, name: &str) -> bool {
+    catalogs.names(catalog).any(|known| known == name)
+}
+
+#[test]
+fn defaults_lie_within_their_range() {
+    let registry = standard();
+    for kind in registry.kinds() {
+        for param in &kind.params {
+            let what = format!("{}.{}", kind.name, param.name);
+            let Some(default) = &param.default else {
+                assert_eq!(param.kind, ParamKind::InputFile, "{what} has no default");
+                continue;
+            };
+            let fits = match (&param.kind, default) {
+                (ParamKind::Number { min, max, .. }, ParamValue::Number(n)) => (min..=max).contains(&n),
+                (ParamKind::Integer { min, max, odd, .. }, ParamValue::Integer(n)) => {
+                    (min..=max).contains(&n) && (!odd || n % 2 == 1)
+                }
+                (ParamKind::Choice(options), ParamValue::Text(word)) => {
+                    options.iter().any(|option| option.name == word)
+                }
+                (ParamKind::Catalog(catalog), ParamValue::Text(name)) => {
+                    in_catalog(registry.catalogs(), catalog, name)
+                }
+                (ParamKind::Switch, ParamValue::Switch(_))
+                | (ParamKind::Text, ParamValue::Text(_))
+                | (ParamKind::OutputName, ParamValue::Output(_)) => true,
+                _ => false,
+            };
+            assert!(fits, "{what}: {default} is not {}", param.kind);
+        }
+    }
+}
+
+#[test]
+fn every_kind_serves_a_recipe() {
+    let registry = standard();
+    let mut used = BTreeSet::new();
+    for (name, _) in LIBRARY.recipes {
+        let recipe = LIBRARY.open(name, &Origin::BuiltIn).unwrap();
+        let graph = Graph::build(&recipe, &[], &registry, &LIBRARY).unwrap();
+        used.extend(graph.nodes.iter().map(|node| graph.kind(node).name));
+    }
+    for kind in registry.kinds() {
+        assert!(used.contains(kind.name), "no recipe uses {}", kind.name);
+    }
+}
+
+#[test]
+fn every_recipe_of_the_folder_is_built_in_and_sound() {
+    let registry = standard();
+    let mut names: Vec<String> = std::fs::read_dir(workspace().join("graphs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter_map(|name| Some(name.strip_suffix(".ron")?.to_owned()))
+        .collect();
+    names.sort();
+    let built_in: Vec<&str> = LIBRARY.recipes.iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, built_in);
+    for name in built_in {
+        let recipe = LIBRARY.open(name, &Origin::BuiltIn).unwrap();
+        assert!(!recipe.title.is_empty(), "{name}");
+        assert_prose(name, &recipe.about);
+        assert!(recipe.params.iter().all(|param| !param.about.is_empty()), "{name}");
+        if let Err(faults) = Graph::build(&recipe, &[], &registry, &LIBRARY) {
+            panic!("{name}: {faults}");
+        }
+    }
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_kind_stands_in_a_file_of_its_own_and_is_tested() {
+    let mut files = Vec::new();
+    sources(&workspace().join("nodes/src"), &mut files);
+    for kind in standard().kinds() {
+        let line = format!("const KIND: &'static str = \"{}\";", kind.name);
+        let defining: Vec<(&PathBuf, String)> = files
+            .iter()
+            .map(|path| (path, std::fs::read_to_string(path).unwrap()))
+            .filter(|(_, text)| text.contains(&line))
+            .collect();
+        let [(path, text)] = &defining[..] else {
+            panic!("{} is defined {} times", kind.name, defining.len())
+        };
+        assert_eq!(text.matches("const KIND:").count(), 1, "{} is not alone", path.display());
+        // A node with a folder keeps its tests beside its parts.
+        let beside = |path: &PathBuf| {
+            path.ends_with("mod.rs")
+                && files.iter().any(|other| {
+                    other.starts_with(path.parent().unwrap())
+                        && std::fs::read_to_string(other).unwrap().contains("#[test]")
+                })
+        };
+        if text.contains("#[test]") || beside(path) {
+            continue;
+        }
+        let elsewhere = TESTED_ELSEWHERE.iter().find(|(known, _)| *known == kind.name);
+        let (_, tests) = elsewhere.unwrap_or_else(|| panic!("{} has no test", kind.name));
+        let tests = std::fs::read_to_string(workspace().join(tests)).unwrap();
+        assert!(tests.contains("#[test]"), "{}: its tests are gone", kind.name);
+    }
+}
