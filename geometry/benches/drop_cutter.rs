@@ -4,6 +4,7 @@ use carvegraph_geometry::{
     Against, HeightField, Pattern, Profile, Raster, RasterStyle, drop_on_height_field,
 };
 use divan::counter::ItemsCount;
+use rayon::prelude::*;
 
 fn main() {
     divan::main();
@@ -41,7 +42,7 @@ fn relief(columns: usize, rows: usize) -> HeightField {
         let outline = smooth_noise(x * 6.0, y * 6.0, 99) > 0.55;
         (1.7 * sum + if outline { 1.5 } else { 0.0 }).min(5.0) as f32
     };
-    let heights = (0..columns * rows).map(height).collect();
+    let heights = (0..columns * rows).into_par_iter().map(height).collect();
     HeightField::new(columns, rows, 203.0 / longest, heights).expect("the size is sound")
 }
 

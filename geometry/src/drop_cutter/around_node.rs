@@ -4,8 +4,10 @@
 //!
 //! * it is nowhere less than its tangent at the node: a triangle can only be touched if the tangent
 //!   falls, along one of its two edges from the node, by more than the clearance there;
-//! * it is least at the contact with the triangle's plane, and if that is outside, on an edge that
-//!   it lies beyond.
+//! * along an edge it falls so from the node, or nothing of the edge can be touched.
+//!
+//! All six planes are computed at once, without a branch, which is faster than to choose among them.
+//! Of two neighbours around which all could be touched, what they share is tested once.
 //!
 //! Places of a triangle are told from the node: node + α·e + β·e′, e and e′ the two edges.
 

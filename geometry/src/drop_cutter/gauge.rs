@@ -136,9 +136,9 @@ pub(super) struct BulgeGauge {
     pitch: f32,
 }
 
-/// Least of 1 − α·r² − β: the gap grows without bound toward the rim. The chords then still rise
-/// less steeply than h, which [`BulgeGauge::new`] checks.
-const LEAST_ROOM: f64 = 0.15;
+/// Least of 1 − α·r² − β: the gap grows without bound toward the rim. The first for which the chords
+/// still rise less steeply than h is taken; less than the first costs more than it gains.
+const LEAST_ROOM: [f64; 4] = [0.15, 0.2, 0.3, 0.4];
 
 /// Where (r + w)² ≤ α·r² + β holds with equality: amid the range.
 const TIGHT_AT: f64 = 0.5;
@@ -150,9 +150,13 @@ const LEAST_SLOPE_OF_H: f64 = 0.49;
 impl BulgeGauge {
     /// For a pitch relative to R; `None` if the cutter is too small for this to be of use.
     pub(super) fn new(pitch: f64) -> Option<Self> {
+        LEAST_ROOM.into_iter().find_map(|room| Self::with_room(pitch, room))
+    }
+
+    fn with_room(pitch: f64, least_room: f64) -> Option<Self> {
         let w = std::f64::consts::SQRT_2 * pitch;
         let (alpha, beta) = (1.0 + w / TIGHT_AT, w * w + w * TIGHT_AT);
-        let near2 = (1.0 - beta - LEAST_ROOM) / alpha;
+        let near2 = (1.0 - beta - least_room) / alpha;
         let far = near2.max(0.0).sqrt() - w;
         if far <= 0.0 {
             return None;

@@ -171,6 +171,7 @@ impl Shape for General {
             if tip > best.tip && edge.holds(s) {
                 best.raise(tip, ContactKind::Edge, node, || edge.point(at, s));
             }
+            best.tip
         };
         touch(0.0, self.height_at(edge.away2.sqrt()));
         for (piece, &(r1, h1)) in self.pieces.iter().zip(&self.ends) {
@@ -179,8 +180,8 @@ impl Shape for General {
                 continue;
             }
             touch(s1, h1);
-            touch(-s1, h1);
-            if let Some(s) = piece.touch_of_edge(edge, s1) {
+            let tip = touch(-s1, h1);
+            if let Some(s) = piece.touch_of_edge(edge, s1, tip) {
                 let r = (edge.away2 + s * s).sqrt().clamp(piece.r0, r1);
                 touch(s, piece.height(r));
             }
@@ -189,8 +190,9 @@ impl Shape for General {
 }
 
 impl Piece {
-    /// Where between its ends a piece has the slope of an edge; `s1` is the s of its outer end.
-    fn touch_of_edge(&self, edge: &Edge, s1: f64) -> Option<f64> {
+    /// Where between its ends a piece has the slope of an edge, if that can be above `tip`; `s1` is
+    /// the s of its outer end.
+    fn touch_of_edge(&self, edge: &Edge, s1: f64, tip: f64) -> Option<f64> {
         let away = edge.away2.sqrt();
         match self.curve {
             Curve::Line { slope } => {
@@ -202,6 +204,13 @@ impl Piece {
             Curve::Arc { r_center, rho, .. } => {
                 let s0 = (self.r0 * self.r0 - edge.away2).max(0.0).sqrt();
                 let slope = edge.slope.abs();
+                // Only where the edge is: its ends are vertices, tested by themselves.
+                let [a, b] = edge.s.map(|s| s * 1.0_f64.copysign(edge.slope));
+                let (s0, s1) = (s0.max(a.min(b)), s1.min(a.max(b)));
+                let lowest = self.height((edge.away2 + s0 * s0).sqrt());
+                if s0 >= s1 || edge.foot_z + slope * s1 - lowest <= tip {
+                    return None;
+                }
                 // Falls from positive to negative where z − h is greatest. Right on the axis the
                 // way along the edge is the way outward.
                 let balance = |s: f64| {

@@ -121,47 +121,64 @@ fn disc_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
 }
 
 /// Along the way uphill from the axis (where the greatest z − h(r) over a plane is) and along the
-/// edges, by sampling and refinement.
+/// edges, by sampling and refinement of what lies in the triangle and under the cutter.
 fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners;
+    let radius = profile.radius_mm();
     let normal = (b - a).cross(c - a);
     let gradient = -normal.truncate() / normal.z;
-    let height = |place: DVec2| a.z + gradient.dot(place - a.truncate());
-    let uphill = gradient.normalize_or_zero() * profile.radius_mm();
-    let clear = |place: DVec2| {
-        if holds(corners, place) {
-            height(place) - profile.height(place.length())
-        } else {
-            f64::NEG_INFINITY
-        }
-    };
-    let mut best = maximum(|t| clear(uphill * t));
+    let uphill = gradient.normalize_or_zero();
+    let clearance = |place: DVec2, z: f64| z - profile.height(place.length().min(radius));
+    let mut best = f64::NEG_INFINITY;
+
+    let (mut from, mut to) = (0.0_f64, radius);
     for (a, b) in [(a, b), (b, c), (c, a)] {
-        best = best.max(maximum(|t| {
-            let p = a.lerp(b, t);
-            p.z - profile.height(p.truncate().length())
-        }));
+        // Counter-clockwise: inside is where this is not negative.
+        let (way, start) = ((b - a).truncate(), a.truncate());
+        let (at_axis, rate) = (way.perp_dot(-start), way.perp_dot(uphill));
+        if rate > 0.0 {
+            from = from.max(-at_axis / rate);
+        } else if rate < 0.0 {
+            to = to.min(-at_axis / rate);
+        } else if at_axis < 0.0 {
+            to = -1.0;
+        }
+        // The part of the edge under the cutter.
+        let (qa, qb) = (way.length_squared(), start.dot(way));
+        let root = qb * qb - qa * (start.length_squared() - radius * radius);
+        if root >= 0.0 {
+            let [low, high] = [-1.0, 1.0].map(|sign| (-qb + sign * root.sqrt()) / qa);
+            let on_edge = |t: f64| clearance(start + way * t, a.z + (b.z - a.z) * t);
+            best = best.max(maximum(on_edge, low.max(0.0), high.min(1.0)));
+        }
     }
-    best
+    let on_plane = |t: f64| {
+        let place = uphill * t;
+        clearance(place, a.z + gradient.dot(place - a.truncate()))
+    };
+    best.max(maximum(on_plane, from, to))
 }
 
-/// Greatest value of a function over 0 ..= 1 that has few humps.
-fn maximum(f: impl Fn(f64) -> f64) -> f64 {
-    const SAMPLES: usize = 200;
-    let at = |k: usize| f(k as f64 / SAMPLES as f64);
-    let values: Vec<f64> = (0..=SAMPLES).map(at).collect();
+/// Greatest value over a range of a function that has few humps; −∞ for an empty range.
+fn maximum(f: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    const SAMPLES: usize = 100;
+    if low > high {
+        return f64::NEG_INFINITY;
+    }
+    let place = |k: usize| low + (high - low) * (k as f64 / SAMPLES as f64);
+    let values: Vec<f64> = (0..=SAMPLES).map(|k| f(place(k))).collect();
     let mut best = f64::NEG_INFINITY;
     for k in 0..=SAMPLES {
         let neighbours = [k.saturating_sub(1), (k + 1).min(SAMPLES)];
-        if values[k] > f64::NEG_INFINITY && neighbours.iter().all(|&n| values[n] <= values[k]) {
-            let [low, high] = neighbours.map(|n| n as f64 / SAMPLES as f64);
+        if neighbours.iter().all(|&n| values[n] <= values[k]) {
+            let [low, high] = neighbours.map(place);
             best = best.max(values[k]).max(climb(&f, low, high));
         }
     }
     best
 }
 
-/// Golden section, fifty steps; a jump to −∞ is only a border.
+/// Golden section.
 fn climb(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let mut best = f64::NEG_INFINITY;
@@ -169,10 +186,7 @@ fn climb(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
         let (a, b) = (high - golden * (high - low), low + golden * (high - low));
         let (fa, fb) = (f(a), f(b));
         best = best.max(fa).max(fb);
-        // Of two places without contact the border's side is not known: shrink toward the middle.
-        if fa == f64::NEG_INFINITY && fb == f64::NEG_INFINITY {
-            (low, high) = (low + (high - low) * 0.05, high - (high - low) * 0.05);
-        } else if fa > fb {
+        if fa > fb {
             high = b;
         } else {
             low = a;
