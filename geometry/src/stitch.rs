@@ -4,7 +4,7 @@
 //! (i + 1, j + 1), counter-clockwise seen from above: (columns − 1)(rows − 1) · 2 in all (Sood,
 //! thesis 2015, section 3.4).
 
-use crate::{HeightField, Mesh, PointCloud};
+use crate::{HeightField, Mesh, PointCloud, Tick};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -36,40 +36,49 @@ pub enum StitchError {
     /// More vertices than indices can tell apart.
     #[error("a mesh holds at most 4294967295 vertices; this one would have {0}")]
     TooManyVertices(usize),
+    /// `tick` said stop.
+    #[error("interrupted")]
+    Stopped,
 }
 
-/// The nodes of a field as an ordered cloud, one point a node.
+/// The nodes of a field as an ordered cloud, one point a node. `tick` counts rows; `None` if it
+/// stopped the work.
 #[must_use]
-pub fn point_cloud(field: &HeightField) -> PointCloud {
+pub fn point_cloud(field: &HeightField, tick: Tick) -> Option<PointCloud> {
     let columns = field.columns();
     let mut points = vec![DVec3::ZERO; columns * field.rows()];
-    points.par_chunks_mut(columns).enumerate().for_each(|(j, row)| {
+    points.par_chunks_mut(columns).enumerate().try_for_each(|(j, row)| {
         for (i, point) in row.iter_mut().enumerate() {
             *point = field.point(i, j);
         }
-    });
-    PointCloud { points: Arc::new(points), grid: Some((columns, field.rows())) }
+        tick(1).then_some(())
+    })?;
+    Some(PointCloud { points: Arc::new(points), grid: Some((columns, field.rows())) })
 }
 
-/// Makes two triangles of each cell of an ordered cloud. The mesh shares the cloud's points.
+/// Makes two triangles of each cell of an ordered cloud. The mesh shares the cloud's points. `tick`
+/// counts rows of cells.
 ///
 /// # Errors
 /// If the cloud has no grid, or the grid does not fit it, is less than 2 × 2, or holds too many
-/// points for 32-bit indices.
-pub fn stitch(cloud: &PointCloud) -> Result<Mesh, StitchError> {
+/// points for 32-bit indices; or if `tick` stopped the work.
+pub fn stitch(cloud: &PointCloud, tick: Tick) -> Result<Mesh, StitchError> {
     let grid = cloud.grid.ok_or(StitchError::NotOrdered)?;
     check_grid(grid, cloud.points.len(), 0)?;
     let (columns, rows) = grid;
     let per_row = 2 * (columns - 1);
     let mut triangles = vec![[0; 3]; per_row * (rows - 1)];
-    triangles.par_chunks_mut(per_row).enumerate().for_each(|(j, row)| {
+    let stitch_row = |(j, row): (usize, &mut [[u32; 3]])| {
         for (i, pair) in row.chunks_exact_mut(2).enumerate() {
             let near = (j * columns + i) as u32;
             let far = near + columns as u32;
             pair[0] = [near, near + 1, far + 1];
             pair[1] = [near, far + 1, far];
         }
-    });
+        tick(1).then_some(())
+    };
+    let done = triangles.par_chunks_mut(per_row).enumerate().try_for_each(stitch_row);
+    done.ok_or(StitchError::Stopped)?;
     Ok(Mesh { vertices: Arc::clone(&cloud.points), triangles })
 }
 
@@ -137,6 +146,10 @@ fn check_grid(grid: (usize, usize), points: usize, added: usize) -> Result<(), S
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn stitched(field: &HeightField) -> Result<Mesh, StitchError> {
+        stitch(&point_cloud(field, &|_| true).unwrap(), &|_| true)
+    }
     use std::collections::HashMap;
 
     fn bumpy(columns: usize, rows: usize) -> HeightField {
@@ -154,7 +167,7 @@ mod tests {
 
     #[test]
     fn every_cell_has_two_triangles_that_face_up() {
-        let mesh = stitch(&point_cloud(&bumpy(5, 4))).unwrap();
+        let mesh = stitched(&bumpy(5, 4)).unwrap();
         assert_eq!(mesh.triangles.len(), 4 * 3 * 2);
         for t in 0..mesh.triangles.len() {
             let [a, b, c] = mesh.corners(t);
@@ -168,21 +181,21 @@ mod tests {
         for (columns, rows, triangles) in
             [(480, 480, 458_882), (119, 119, 27_848), (618, 328, 403_518)]
         {
-            let mesh = stitch(&point_cloud(&bumpy(columns, rows))).unwrap();
+            let mesh = stitched(&bumpy(columns, rows)).unwrap();
             assert_eq!(mesh.triangles.len(), triangles);
         }
     }
 
     #[test]
     fn the_mesh_shares_the_points() {
-        let cloud = point_cloud(&bumpy(5, 4));
-        assert!(Arc::ptr_eq(&cloud.points, &stitch(&cloud).unwrap().vertices));
+        let cloud = point_cloud(&bumpy(5, 4), &|_| true).unwrap();
+        assert!(Arc::ptr_eq(&cloud.points, &stitch(&cloud, &|_| true).unwrap().vertices));
     }
 
     #[test]
     fn a_solid_is_watertight() {
         for (columns, rows) in [(2, 2), (2, 5), (6, 3)] {
-            let mesh = stitch(&point_cloud(&bumpy(columns, rows))).unwrap();
+            let mesh = stitched(&bumpy(columns, rows)).unwrap();
             let solid = close_solid(&mesh, (columns, rows), -1.0).unwrap();
             let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
             for [a, b, c] in &solid.triangles {
@@ -200,7 +213,7 @@ mod tests {
     #[test]
     fn the_volume_is_that_of_the_prisms() {
         let field = bumpy(6, 4);
-        let mesh = stitch(&point_cloud(&field)).unwrap();
+        let mesh = stitched(&field).unwrap();
         let solid = close_solid(&mesh, (6, 4), -1.0).unwrap();
         let prism = |t| {
             let [a, b, c] = mesh.corners(t);
@@ -213,7 +226,7 @@ mod tests {
     #[test]
     fn a_box_has_the_volume_of_a_box() {
         let field = HeightField::new(4, 3, 2.0, vec![5.0; 12]).unwrap();
-        let mesh = stitch(&point_cloud(&field)).unwrap();
+        let mesh = stitched(&field).unwrap();
         let solid = close_solid(&mesh, (4, 3), 1.0).unwrap();
         assert!((volume(&solid) - 6.0 * 4.0 * 4.0).abs() < 1e-9);
     }
@@ -221,14 +234,22 @@ mod tests {
     #[test]
     fn unfit_clouds_are_refused() {
         let loose = PointCloud { points: Arc::new(vec![DVec3::ZERO; 4]), grid: None };
-        assert_eq!(stitch(&loose), Err(StitchError::NotOrdered));
+        assert_eq!(stitch(&loose, &|_| true), Err(StitchError::NotOrdered));
         let wrong = PointCloud { grid: Some((2, 3)), ..loose.clone() };
-        assert!(matches!(stitch(&wrong), Err(StitchError::WrongGrid { .. })));
+        assert!(matches!(stitch(&wrong, &|_| true), Err(StitchError::WrongGrid { .. })));
         let thin = PointCloud { grid: Some((4, 1)), ..loose };
-        assert!(matches!(stitch(&thin), Err(StitchError::TooSmall { .. })));
+        assert!(matches!(stitch(&thin, &|_| true), Err(StitchError::TooSmall { .. })));
         assert_eq!(
             check_grid((1 << 16, 1 << 16), 1 << 32, 0),
             Err(StitchError::TooManyVertices(1 << 32))
         );
+    }
+
+    #[test]
+    fn both_stop_when_told() {
+        let field = bumpy(5, 4);
+        assert_eq!(point_cloud(&field, &|_| false), None);
+        let cloud = point_cloud(&field, &|_| true).unwrap();
+        assert_eq!(stitch(&cloud, &|_| false), Err(StitchError::Stopped));
     }
 }

@@ -84,6 +84,7 @@ pub(crate) struct Posted {
 
 impl Node for Post {
     const KIND: &'static str = "post";
+    const USES_PREFIX: bool = true;
     type Inputs<'a> = Job<'a>;
     type Outputs = Posted;
 

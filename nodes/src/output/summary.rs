@@ -33,6 +33,7 @@ pub(crate) struct Made<'a> {
 
 impl Node for Summary {
     const KIND: &'static str = "summary";
+    const USES_PREFIX: bool = true;
     type Inputs<'a> = Made<'a>;
     type Outputs = ();
 

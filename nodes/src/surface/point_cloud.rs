@@ -24,7 +24,9 @@ impl Node for PointCloudNode {
     type Inputs<'a> = Surface<'a>;
     type Outputs = Points;
 
-    fn run(&self, inputs: Surface<'_>, _: &Context<'_>) -> Result<Points, NodeError> {
-        Ok(Points { points: point_cloud(inputs.surface) })
+    fn run(&self, inputs: Surface<'_>, cx: &Context<'_>) -> Result<Points, NodeError> {
+        let ticker = cx.ticker(inputs.surface.rows());
+        let points = cx.completed(point_cloud(inputs.surface, &|n| ticker.tick(n)))?;
+        Ok(Points { points })
     }
 }

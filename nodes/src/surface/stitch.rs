@@ -4,7 +4,7 @@
 //! 2015, section 3.2.5). A closed solid gets walls and a base as well.
 
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Mesh, PointCloud, close_solid, stitch};
+use carvegraph_geometry::{Mesh, PointCloud, StitchError, close_solid, stitch};
 
 /// Stitches points into a surface of triangles, or a solid that can be printed.
 #[derive(Clone, Debug, Params)]
@@ -43,8 +43,13 @@ impl Node for Stitch {
     type Inputs<'a> = Ordered<'a>;
     type Outputs = Stitched;
 
-    fn run(&self, inputs: Ordered<'_>, _: &Context<'_>) -> Result<Stitched, NodeError> {
-        let mesh = stitch(inputs.points).map_err(NodeError::failed)?;
+    fn run(&self, inputs: Ordered<'_>, cx: &Context<'_>) -> Result<Stitched, NodeError> {
+        let rows = inputs.points.grid.map_or(1, |(_, rows)| rows);
+        let ticker = cx.ticker(rows);
+        let mesh = stitch(inputs.points, &|n| ticker.tick(n)).map_err(|fault| match fault {
+            StitchError::Stopped => NodeError::Cancelled,
+            fault => NodeError::failed(fault),
+        })?;
         let (Shape::Closed, Some(grid)) = (self.shape, inputs.points.grid) else {
             return Ok(Stitched { mesh });
         };
