@@ -7,12 +7,15 @@ use carvegraph_core::report::{NodeStatus, RunReport, RunStatus};
 use carvegraph_core::{Cache, Plan, Registry, RunOptions, Session, run as run_plan};
 use std::fs;
 use std::path::Path;
+use std::sync::Once;
 use std::time::Duration;
 
 /// How long a run may take to stop by itself after Ctrl-C. What still runs then is inside a library
-/// that cannot be interrupted; its temporary files are removed and the program ends at once. With
-/// the time that takes, the user waits no more than a tenth of a second.
-const GRACE: Duration = Duration::from_millis(70);
+/// that cannot be interrupted; its temporary files are removed and the program ends at once. The user
+/// is to wait no more than a tenth of a second, and giving back a gigabyte takes half of that.
+const GRACE: Duration = Duration::from_millis(40);
+
+const INTERRUPTED: &str = "interrupted: nothing was written";
 
 pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit, Refusal> {
     let session = Session::new(&arguments.out);
@@ -22,6 +25,7 @@ pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit,
     let cache: Option<&dyn Cache> = cache.as_ref().map(|cache| cache as &dyn Cache);
     let plan = Plan::new(&graph, &arguments.only, &arguments.out, cache, &session.cancel);
     if session.cancel.is_cancelled() {
+        tell_the_end(|| complain(INTERRUPTED));
         return Ok(Exit::Interrupted);
     }
     let plan = plan?;
@@ -29,10 +33,11 @@ pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit,
     let threads = arguments.threads.map_or(0, usize::from);
     let report = run_plan(&plan, &session, RunOptions { threads, cache, observer: &progress });
     progress.clear();
+    // First the files: they are there, whatever becomes of the report.
+    tell_the_end(|| tell(&report, arguments.quiet));
     if let Some(path) = &arguments.report {
         write_report(&report, path)?;
     }
-    tell(&report, arguments.quiet);
     Ok(match report.status {
         RunStatus::Done => Exit::Done,
         RunStatus::Failed => Exit::NodeFailed,
@@ -41,13 +46,22 @@ pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit,
     })
 }
 
+/// Tells how the run ended, unless that is being told already: a run that stops just when the time for
+/// it is over would end twice.
+fn tell_the_end(tell: impl FnOnce()) {
+    static TOLD: Once = Once::new();
+    TOLD.call_once(tell);
+}
+
 fn stop_on_signal(session: Session) -> Result<(), Refusal> {
     let stop = move || {
         session.cancel.cancel();
         std::thread::sleep(GRACE);
         session.abandon();
-        complain("interrupted: nothing was written");
-        std::process::exit(Exit::Interrupted as i32);
+        tell_the_end(|| {
+            complain(INTERRUPTED);
+            std::process::exit(Exit::Interrupted as i32);
+        });
     };
     ctrlc::set_handler(stop).map_err(|fault| Refusal(format!("error: {fault}")))
 }
@@ -59,10 +73,16 @@ fn write_report(report: &RunReport, path: &Path) -> Result<(), Refusal> {
     };
     let mut text = serde_json::to_vec_pretty(report).map_err(|fault| fail(&fault))?;
     text.push(b'\n');
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|fault| fail(&fault))?;
+    }
     let aside = path.with_extension("json.part");
-    fs::write(&aside, text)
-        .and_then(|()| fs::rename(&aside, path))
-        .map_err(|fault| fail(&fault))
+    let written = fs::write(&aside, text).and_then(|()| fs::rename(&aside, path));
+    written.map_err(|fault| {
+        // There is nothing to remove where not even that could be written.
+        let _ = fs::remove_file(&aside);
+        fail(&fault)
+    })
 }
 
 fn tell(report: &RunReport, quiet: bool) {
@@ -87,7 +107,7 @@ fn tell(report: &RunReport, quiet: bool) {
             }
         }
         RunStatus::Refused => complain("nothing was written"),
-        RunStatus::Interrupted => complain("interrupted: nothing was written"),
+        RunStatus::Interrupted => complain(INTERRUPTED),
     }
     if quiet {
         return;

@@ -2,9 +2,9 @@
 
 use crate::cancel::CancelToken;
 use crate::catalog::Catalogs;
-use crate::files::{FileError, Files, InputFile, OutputName};
+use crate::files::{FileError, FileHashes, Files, InputFile, OutputName};
 use crate::node::NodeError;
-use crate::staging::{OutputFile, Staging};
+use crate::staging::{OutputFile, Staging, Writer};
 use serde::{Deserialize, Serialize};
 use std::any::Any;
 use std::borrow::Cow;
@@ -58,7 +58,11 @@ pub struct Context<'a> {
     pub(crate) index: usize,
     pub(crate) node: &'a str,
     pub(crate) prefix: &'a str,
+    /// Whether the node said that it uses it.
+    pub(crate) uses_prefix: bool,
     pub(crate) files: Files,
+    /// What the files contained when the run was planned, if somebody asked.
+    pub(crate) hashes: Option<&'a FileHashes>,
     pub(crate) staging: &'a Staging,
     pub(crate) catalogs: &'a Catalogs,
     pub(crate) cancel: &'a CancelToken,
@@ -70,9 +74,16 @@ impl Context<'_> {
     /// The contents of a file.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If it cannot be read, or was changed since the run was planned.
     pub fn read(&self, file: &InputFile) -> Result<Cow<'static, [u8]>, FileError> {
-        self.files.read(file, self.cancel)
+        let bytes = self.files.read(file, self.cancel)?;
+        // What is made of the new contents must not be kept as made of the old ones.
+        match self.hashes.and_then(|hashes| hashes.get(file)) {
+            Some(hash) if *hash != blake3::hash(&bytes) => {
+                Err(FileError::Changed { path: file.to_string() })
+            }
+            _ => Ok(bytes),
+        }
     }
 
     /// Begins a file in the output folder.
@@ -80,13 +91,18 @@ impl Context<'_> {
     /// # Errors
     /// If it cannot be made, or another node writes one of the same name.
     pub fn create(&self, name: &OutputName, extension: &str) -> Result<OutputFile<'_>, FileError> {
-        let name = name.file_name(self.prefix, extension);
-        self.staging.create(self.index, self.node, name, self.cancel)
+        let name = name.file_name(self.prefix, extension)?;
+        let writer = Writer { node: self.index, id: self.node.to_owned() };
+        self.staging.create(name, writer, self.cancel)
     }
 
     /// The name of the picture or part that the work began with.
+    ///
+    /// # Panics
+    /// If the node does not set [`Node::USES_PREFIX`](crate::Node::USES_PREFIX).
     #[must_use]
     pub fn prefix(&self) -> &str {
+        assert!(self.uses_prefix, "set Node::USES_PREFIX to use the prefix");
         self.prefix
     }
 
@@ -145,7 +161,9 @@ pub fn with_context<T>(catalogs: &Catalogs, work: impl FnOnce(&Context<'_>) -> T
         index: 0,
         node: "test",
         prefix: "test",
+        uses_prefix: true,
         files: Files { assets: &[] },
+        hashes: None,
         staging: &staging,
         catalogs,
         cancel: &cancel,

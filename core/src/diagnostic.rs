@@ -24,6 +24,9 @@ const WINDOW_BEFORE: usize = 40;
 /// Blanks shown for a tab.
 const TAB: &str = "    ";
 
+/// Of so many words that are known all are listed where none is near.
+const MAX_KNOWN: usize = 40;
+
 /// Longer words have no suggestions: the distance takes time with the product of the lengths.
 const MAX_SUGGESTED_CHARS: usize = 64;
 
@@ -45,10 +48,6 @@ pub struct Diagnostic {
     pub message: String,
     /// The text at fault.
     pub span: Option<Span>,
-    /// The node at fault, for the editor to mark.
-    pub node: Option<String>,
-    /// The port or parameter of `node` at fault.
-    pub port: Option<String>,
     /// What to do. Boxed to keep results that hold a diagnostic small.
     pub help: Option<Box<str>>,
 }
@@ -57,7 +56,7 @@ impl Diagnostic {
     /// A fault that stops the run.
     pub fn error(message: impl Into<String>) -> Self {
         let message = message.into();
-        Self { severity: Severity::Error, message, span: None, node: None, port: None, help: None }
+        Self { severity: Severity::Error, message, span: None, help: None }
     }
 
     /// A fault the run survives.
@@ -69,18 +68,6 @@ impl Diagnostic {
     #[must_use]
     pub fn at(self, span: Span) -> Self {
         Self { span: Some(span), ..self }
-    }
-
-    /// Says in which node.
-    #[must_use]
-    pub fn node(self, node: impl Into<String>) -> Self {
-        Self { node: Some(node.into()), ..self }
-    }
-
-    /// Says at which port or parameter of the node.
-    #[must_use]
-    pub fn port(self, port: impl Into<String>) -> Self {
-        Self { port: Some(port.into()), ..self }
     }
 
     /// Says what to do.
@@ -111,12 +98,6 @@ impl fmt::Display for Diagnostic {
             writeln!(f, "{:gutter$} |", "")?;
             writeln!(f, "{line} | {}", quote.line)?;
             writeln!(f, "{:gutter$} | {:2$}{3}", "", "", quote.indent, "^".repeat(quote.carets))?;
-        } else if let Some(node) = &self.node {
-            write!(f, "{:gutter$}--> node \"{}\"", "", harmless(node))?;
-            match &self.port {
-                Some(port) => writeln!(f, ", \"{}\"", harmless(port))?,
-                None => writeln!(f)?,
-            }
         }
         for (index, line) in self.help.iter().flat_map(|help| help.lines()).enumerate() {
             let lead = if index == 0 { "= help:" } else { "       " };
@@ -177,7 +158,7 @@ fn last_chars(text: &str, count: usize) -> (&str, bool) {
 
 /// The text without anything a terminal would obey: tabs become blanks; control characters and
 /// those that reorder or hide text become �.
-fn harmless(text: &str) -> String {
+pub(crate) fn harmless(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -206,6 +187,19 @@ impl Diagnostics {
     /// Adds a fault.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.0.push(diagnostic);
+    }
+
+    /// Adds the fault that a word is not among those known, with the help of what may have been
+    /// meant. To compare a word with 10,000 others takes a millisecond, so only of the first faults
+    /// it is told; more are not printed either.
+    pub fn push_near<'k>(
+        &mut self,
+        fault: Diagnostic,
+        word: &str,
+        known: impl IntoIterator<Item = &'k str>,
+    ) {
+        let help = (self.len() < MAX_RENDERED).then(|| instead_of(word, known).into());
+        self.push(Diagnostic { help, ..fault });
     }
 
     /// Whether one of them stops the run.
@@ -283,6 +277,22 @@ impl IntoIterator for Diagnostics {
     }
 }
 
+/// What may have been meant by a word that is not known, or else what is known.
+fn instead_of<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> String {
+    let mut known: Vec<&str> = known.into_iter().collect();
+    known.sort_unstable();
+    if let Some(near) = did_you_mean(word, known.iter().copied()) {
+        return format!("did you mean {near:?}?");
+    }
+    let more = known.len().saturating_sub(MAX_KNOWN);
+    known.truncate(MAX_KNOWN);
+    match (known.join(", "), more) {
+        (_, 0) if known.is_empty() => "there is none".to_owned(),
+        (names, 0) => format!("there is {names}"),
+        (names, more) => format!("there is {names} and {more} more"),
+    }
+}
+
 /// The candidate a mistyped word most likely meant, if any is near.
 ///
 /// A candidate that differs only in case, `-`, `_` or blanks always wins. Otherwise it is the one
@@ -305,6 +315,10 @@ pub fn did_you_mean<'a>(
         let offered = plain(candidate);
         let longer = offered.chars().count().max(length);
         if longer > MAX_SUGGESTED_CHARS {
+            return None;
+        }
+        let shorter = offered.chars().count().min(length);
+        if longer - shorter > longer.max(3) / 3 {
             return None;
         }
         let distance = strsim::damerau_levenshtein(&wanted, &offered);
@@ -356,11 +370,9 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_without_a_place_names_its_node() {
-        let fault = Diagnostic::warning("slow").node("relief").port("z_max").help("one\ntwo");
-        let expected =
-            "warning: slow\n --> node \"relief\", \"z_max\"\n  = help: one\n          two\n";
-        assert_eq!(fault.render(), expected);
+    fn a_fault_may_have_no_place() {
+        let fault = Diagnostic::warning("slow").help("one\ntwo");
+        assert_eq!(fault.render(), "warning: slow\n  = help: one\n          two\n");
     }
 
     #[test]

@@ -4,7 +4,9 @@
 //! folder. Recipes that are built into the program find their files in the program too.
 
 use crate::cancel::CancelToken;
+use crate::diagnostic::harmless;
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
@@ -20,7 +22,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 pub type Assets = &'static [(&'static str, &'static [u8])];
 
 /// Where relative paths start.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Origin {
     /// At a folder.
     Folder(PathBuf),
@@ -40,21 +42,22 @@ impl Origin {
     }
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Place {
     Disk(PathBuf),
     BuiltIn(String),
 }
 
 /// A file that a node may read, through its context only.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct InputFile {
     place: Place,
 }
 
+/// Its path, without anything a terminal would obey: a recipe may have written it.
 impl fmt::Display for InputFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path().display())
+        f.write_str(&harmless(&self.path().to_string_lossy()))
     }
 }
 
@@ -71,17 +74,44 @@ impl InputFile {
     /// The file's name without folders and extension, with anything odd in it made harmless.
     #[must_use]
     pub fn stem(&self) -> String {
-        let stem = self.path().file_stem().unwrap_or_default().to_string_lossy();
-        let harmless = |letter: char| match letter {
-            letter if letter.is_alphanumeric() || "-_+ .".contains(letter) => letter,
-            _ => '_',
-        };
-        let stem: String = stem.chars().take(MAX_NAME_CHARS / 2).map(harmless).collect();
-        match stem.trim_matches(|c: char| c == '.' || c.is_whitespace()) {
-            "" => "carve".to_owned(),
-            stem => stem.to_owned(),
+        harmless_stem(self.path())
+    }
+
+    /// The file on disk, if it is there, under the one path that it has without links and detours.
+    pub(crate) fn canonical(&self) -> Option<PathBuf> {
+        match &self.place {
+            Place::Disk(path) => path.canonicalize().ok(),
+            Place::BuiltIn(_) => None,
         }
     }
+}
+
+/// The stem of a path as a part of a portable file name.
+pub(crate) fn harmless_stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let harmless = |letter: char| if is_portable(letter) { letter } else { '_' };
+    let mut stem: String = stem.chars().map(harmless).collect();
+    while stem.len() > MAX_PART_BYTES {
+        stem.pop();
+    }
+    match stem.trim_matches([' ', '.']) {
+        "" => "carve".to_owned(),
+        stem if is_device(stem) => format!("{stem}_"),
+        stem => stem.to_owned(),
+    }
+}
+
+/// Whether every file system takes the letter in a name.
+fn is_portable(letter: char) -> bool {
+    letter.is_alphanumeric() || "-_+ .()".contains(letter)
+}
+
+/// Whether Windows takes a name for a device, with any extension and in any case.
+fn is_device(name: &str) -> bool {
+    let name = name.split('.').next().unwrap_or_default().trim_end().to_ascii_lowercase();
+    let is_port = |rest: &str| rest.len() == 1 && rest.bytes().all(|byte| byte.is_ascii_digit());
+    matches!(name.as_str(), "con" | "prn" | "aux" | "nul")
+        || name.strip_prefix("com").or(name.strip_prefix("lpt")).is_some_and(is_port)
 }
 
 /// Why a file could not be read or written.
@@ -131,10 +161,30 @@ pub enum FileError {
         /// The node that came first.
         other: String,
     },
+    /// The file is one that the recipe reads.
+    #[error(
+        "{name} would take the place of a file that the recipe reads: choose another folder or file name"
+    )]
+    Input {
+        /// The name.
+        name: String,
+    },
+    /// A node or a plugin made a name of it that is none.
+    #[error(transparent)]
+    Name(#[from] OutputNameError),
+    /// It was changed between two looks at it.
+    #[error("{path} was changed while the recipe ran: run it again")]
+    Changed {
+        /// Its path.
+        path: String,
+    },
     /// The run was interrupted while the file was read or written.
     #[error("interrupted")]
     Cancelled,
 }
+
+/// What files contained when they were looked at.
+pub(crate) type FileHashes = HashMap<InputFile, blake3::Hash>;
 
 /// Reads input files, from disk and from the program.
 #[derive(Clone, Copy)]
@@ -160,14 +210,13 @@ impl Files {
         file: &InputFile,
         cancel: &CancelToken,
     ) -> Result<Cow<'static, [u8]>, FileError> {
-        match self.open(file)? {
-            Opened::BuiltIn(bytes) => Ok(Cow::Borrowed(bytes)),
-            Opened::Disk(_, bytes) => {
-                let mut all = Vec::with_capacity(usize::try_from(bytes).unwrap_or(0));
-                self.each_chunk(file, cancel, |chunk| all.extend_from_slice(chunk))?;
-                Ok(Cow::Owned(all))
-            }
-        }
+        let (disk, bytes) = match self.open(file)? {
+            Opened::BuiltIn(bytes) => return Ok(Cow::Borrowed(bytes)),
+            Opened::Disk(disk, bytes) => (disk, bytes),
+        };
+        let mut all = Vec::with_capacity(usize::try_from(bytes).unwrap_or(0));
+        each_chunk(file, disk, bytes, cancel, |chunk| all.extend_from_slice(chunk))?;
+        Ok(Cow::Owned(all))
     }
 
     /// The BLAKE3 hash of the contents.
@@ -176,41 +225,12 @@ impl Files {
         file: &InputFile,
         cancel: &CancelToken,
     ) -> Result<blake3::Hash, FileError> {
-        let mut hasher = blake3::Hasher::new();
-        self.each_chunk(file, cancel, |chunk| {
-            hasher.update(chunk);
-        })?;
-        Ok(hasher.finalize())
-    }
-
-    fn each_chunk(
-        &self,
-        file: &InputFile,
-        cancel: &CancelToken,
-        mut take: impl FnMut(&[u8]),
-    ) -> Result<(), FileError> {
-        let (disk, bytes) = match self.open(file)? {
-            Opened::BuiltIn(bytes) => {
-                take(bytes);
-                return Ok(());
-            }
-            Opened::Disk(disk, bytes) => (disk, bytes),
-        };
-        // A file that grows while it is read is cut at the size it had.
-        let mut disk = disk.take(bytes);
-        let mut buffer = vec![0; CHUNK_BYTES];
-        loop {
-            if cancel.is_cancelled() {
-                return Err(FileError::Cancelled);
-            }
-            match disk.read(&mut buffer) {
-                Ok(0) => return Ok(()),
-                Ok(count) => take(&buffer[..count]),
-                Err(fault) if fault.kind() == io::ErrorKind::Interrupted => {}
-                Err(source) => {
-                    let path = file.to_string();
-                    return Err(FileError::Io { action: "read", path, source });
-                }
+        match self.open(file)? {
+            Opened::BuiltIn(bytes) => Ok(blake3::hash(bytes)),
+            Opened::Disk(disk, bytes) => {
+                let mut hasher = blake3::Hasher::new();
+                each_chunk(file, disk, bytes, cancel, |chunk| _ = hasher.update(chunk))?;
+                Ok(hasher.finalize())
             }
         }
     }
@@ -242,8 +262,36 @@ impl Files {
     }
 }
 
-/// A file name is no longer than this, so that every file system takes it.
-const MAX_NAME_CHARS: usize = 120;
+/// Hands over the first `bytes` bytes of a file. One that grows meanwhile is cut at the size it had.
+fn each_chunk(
+    file: &InputFile,
+    disk: File,
+    bytes: u64,
+    cancel: &CancelToken,
+    mut take: impl FnMut(&[u8]),
+) -> Result<(), FileError> {
+    let mut disk = disk.take(bytes);
+    let mut buffer = vec![0; CHUNK_BYTES];
+    loop {
+        if cancel.is_cancelled() {
+            return Err(FileError::Cancelled);
+        }
+        match disk.read(&mut buffer) {
+            Ok(0) => return Ok(()),
+            Ok(count) => take(&buffer[..count]),
+            Err(fault) if fault.kind() == io::ErrorKind::Interrupted => {}
+            Err(source) => {
+                return Err(FileError::Io { action: "read", path: file.to_string(), source });
+            }
+        }
+    }
+}
+
+/// The longest file name, prefix and extension included: file systems take 255 bytes.
+const MAX_NAME_BYTES: usize = 240;
+
+/// The longest name of an input as a part of one, and the longest pattern.
+const MAX_PART_BYTES: usize = 100;
 
 /// The place in an output name where the name of the input goes.
 const PREFIX: &str = "{prefix}";
@@ -252,10 +300,14 @@ const PREFIX: &str = "{prefix}";
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 pub enum OutputNameError {
     /// It has folders in it, or goes up.
-    #[error("{0:?} would leave the output folder; give a plain file name (--out chooses the folder)")]
+    #[error(
+        "{0:?} would leave the output folder; give a plain file name (--out chooses the folder)"
+    )]
     Leaves(String),
-    /// It is empty, too long, hidden, or has signs that file systems do not take.
-    #[error("{0:?} is no file name: letters, digits, spaces and -_+.() do, {MAX_NAME_CHARS} at most")]
+    /// It is empty, too long, hidden, a device, or has signs that file systems do not take.
+    #[error(
+        "{0:?} is no file name; letters, digits, spaces and -_+.() do, {MAX_PART_BYTES} bytes at most"
+    )]
     Unfit(String),
 }
 
@@ -272,14 +324,12 @@ impl OutputName {
     /// # Errors
     /// If it could lead out of the output folder, or is no portable file name.
     pub fn new(pattern: &str) -> Result<Self, OutputNameError> {
-        if pattern.contains(['/', '\\', ':']) || pattern.split('.').all(str::is_empty) {
+        let is_up = !pattern.is_empty() && pattern.bytes().all(|byte| byte == b'.');
+        if is_up || pattern.contains(['/', '\\', ':']) {
             return Err(OutputNameError::Leaves(pattern.to_owned()));
         }
-        let rest = pattern.replace(PREFIX, "x");
-        let fits = |letter: char| letter.is_alphanumeric() || "-_+ .()".contains(letter);
-        let edge = |letter: char| letter == '.' || letter == ' ';
-        let long = rest.chars().count() > MAX_NAME_CHARS / 2;
-        if long || !rest.chars().all(fits) || rest.starts_with(edge) || rest.ends_with(edge) {
+        let name = pattern.replacen(PREFIX, "x", 1);
+        if name.len() > MAX_PART_BYTES || !is_file_name(&name) {
             return Err(OutputNameError::Unfit(pattern.to_owned()));
         }
         Ok(Self { pattern: pattern.to_owned() })
@@ -291,11 +341,36 @@ impl OutputName {
         &self.pattern
     }
 
-    /// The file's name for an input called `prefix`.
-    #[must_use]
-    pub(crate) fn file_name(&self, prefix: &str, extension: &str) -> String {
-        format!("{}.{extension}", self.pattern.replace(PREFIX, prefix))
+    /// Whether the name of the input is a part of it.
+    pub(crate) fn uses_prefix(&self) -> bool {
+        self.pattern.contains(PREFIX)
     }
+
+    /// The file's name for an input called `prefix`.
+    pub(crate) fn file_name(
+        &self,
+        prefix: &str,
+        extension: &str,
+    ) -> Result<String, OutputNameError> {
+        let name = format!("{}.{extension}", self.pattern.replace(PREFIX, prefix));
+        let is_extension = |byte: u8| byte.is_ascii_alphanumeric();
+        let fits = !extension.is_empty() && extension.bytes().all(is_extension);
+        if fits && name.len() <= MAX_NAME_BYTES && is_file_name(&name) {
+            Ok(name)
+        } else {
+            Err(OutputNameError::Unfit(name))
+        }
+    }
+}
+
+/// Whether every file system takes the name, and for a file in plain sight.
+fn is_file_name(name: &str) -> bool {
+    let edges = [' ', '.'];
+    !name.is_empty()
+        && name.chars().all(is_portable)
+        && !name.starts_with(edges)
+        && !name.ends_with(edges)
+        && !is_device(name)
 }
 
 impl From<&str> for OutputName {

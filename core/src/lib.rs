@@ -18,6 +18,7 @@ mod context;
 pub mod diagnostic;
 mod files;
 pub mod graph;
+mod hashing;
 mod library;
 mod node;
 mod param;

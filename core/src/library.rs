@@ -76,9 +76,7 @@ fn read_text(path: &Path) -> Result<String, ReadFault> {
     }
     let bytes = about.len();
     if bytes > MAX_TEXT_BYTES as u64 {
-        return Err(other(&format!(
-            "it has {bytes} bytes; a recipe has at most {MAX_TEXT_BYTES}"
-        )));
+        return Err(other(&format!("it has {bytes} bytes; a recipe has at most {MAX_TEXT_BYTES}")));
     }
     let mut text = Vec::new();
     File::open(path)

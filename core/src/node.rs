@@ -61,6 +61,9 @@ pub trait Node: Params + Send + Sync + 'static {
     /// Raised whenever the same inputs would give other outputs than before, so that cached values
     /// of the older version are not taken.
     const VERSION: u32 = 1;
+    /// Whether it asks its context for the [prefix](Context::prefix). If not, the same picture under
+    /// another name gives it nothing new to do.
+    const USES_PREFIX: bool = false;
     /// What it reads.
     type Inputs<'a>: Inputs<'a>;
     /// What it makes.
@@ -114,6 +117,8 @@ pub struct NodeKind {
     pub name: &'static str,
     /// Its version; see [`Node::VERSION`].
     pub version: u32,
+    /// See [`Node::USES_PREFIX`].
+    pub uses_prefix: bool,
     /// The stage of the work it belongs to, such as "picture" or "path".
     pub stage: &'static str,
     /// What it does, for a user.
@@ -134,6 +139,7 @@ impl NodeKind {
         Self {
             name: N::KIND,
             version: N::VERSION,
+            uses_prefix: N::USES_PREFIX,
             stage,
             about: N::about(),
             params: N::specs(),

@@ -5,13 +5,14 @@
 //! [`ParamValue`], or says what is wrong with it.
 
 use crate::catalog::Catalogs;
-use crate::diagnostic::did_you_mean;
+use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::files::{InputFile, OutputName};
 use crate::ron::{self, ValueKind};
 use crate::units::{self, Dimension};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 /// One word a parameter may be set to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -191,6 +192,27 @@ impl ParamValues {
 }
 
 /// A struct that holds the parameters of a node; derive it.
+///
+/// ```
+/// /// Softens steps.
+/// #[derive(carvegraph_core::Params)]
+/// struct Blur {
+///     /// Width of the kernel.
+///     #[param(unit = "px", default = 5, range = 1..=255, odd)]
+///     kernel: u32,
+/// }
+/// ```
+///
+/// Users read the doc comments, so none may be missing:
+///
+/// ```compile_fail
+/// /// Softens steps.
+/// #[derive(carvegraph_core::Params)]
+/// struct Blur {
+///     #[param(unit = "px", default = 5, range = 1..=255, odd)]
+///     kernel: u32,
+/// }
+/// ```
 pub trait Params: Sized {
     /// What the node does, from the struct's doc comment.
     fn about() -> &'static str;
@@ -368,7 +390,7 @@ impl ParamSpec {
             ParamKind::Integer { dimension, min, max, odd } => {
                 let value = self.number(given, *dimension)?;
                 self.check_range(value, *min as f64, *max as f64, *dimension)?;
-                self.whole(value, *odd).map(ParamValue::Integer)
+                self.whole(value, *odd, *min..=*max).map(ParamValue::Integer)
             }
             ParamKind::Switch => self.switch(given).map(ParamValue::Switch),
             ParamKind::Text => self.text(given).map(|text| ParamValue::Text(text.to_owned())),
@@ -429,7 +451,7 @@ impl ParamSpec {
         Err(ParamFault::new(format!("{} must be {wanted}, not {value}", self.name)))
     }
 
-    fn whole(&self, value: f64, odd: bool) -> Result<i64, ParamFault> {
+    fn whole(&self, value: f64, odd: bool, range: RangeInclusive<i64>) -> Result<i64, ParamFault> {
         if value.fract() != 0.0 {
             let message = format!("{} must be a whole number, not {value}", self.name);
             return Err(ParamFault::new(message));
@@ -437,8 +459,9 @@ impl ParamSpec {
         let value = value as i64;
         if odd && value % 2 == 0 {
             let message = format!("{} must be odd, not {value}", self.name);
-            let help = format!("take {} or {}", value - 1, value + 1);
-            return Err(ParamFault::new(message).help(help));
+            let near = [value - 1, value + 1].into_iter().filter(|near| range.contains(near));
+            let near: Vec<String> = near.map(|near| near.to_string()).collect();
+            return Err(ParamFault::new(message).help(format!("take {}", near.join(" or "))));
         }
         Ok(value)
     }
@@ -462,7 +485,11 @@ impl ParamSpec {
         match given {
             Given::Word(word) => Ok(word),
             Given::Literal(value) => {
-                value.as_str().ok_or_else(|| self.wrong_type("a text", value.describe()))
+                let fault = |fault: Diagnostic| ParamFault {
+                    message: fault.message,
+                    help: fault.help.map(String::from),
+                };
+                value.as_text(self.name).map_err(fault)
             }
         }
     }

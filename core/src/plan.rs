@@ -1,12 +1,13 @@
 //! What has to be done, and why.
 
-use crate::cache::{Cache, Entry, Key, Parts, all_parts, input_part};
+use crate::cache::{Cache, Dependencies, Entry, Key, Parts, input_part};
 use crate::cancel::CancelToken;
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
-use crate::files::{FileError, InputFile, Origin};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::files::Origin;
 use crate::graph::Graph;
 use crate::port::{PortType, Value};
-use std::collections::BTreeMap;
+use crate::staging::WrittenFile;
+use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -33,7 +34,7 @@ pub struct Plan<'g> {
     pub graph: &'g Graph,
     /// What is done about each node; `None` for those that the wanted outputs do not need.
     pub steps: Vec<Option<Step>>,
-    pub(crate) keys: Option<Vec<(Key, Parts)>>,
+    pub(crate) depends: Option<Dependencies>,
 }
 
 impl<'g> Plan<'g> {
@@ -50,11 +51,9 @@ impl<'g> Plan<'g> {
         cancel: &CancelToken,
     ) -> Result<Self, Diagnostics> {
         let wanted = wanted(graph, only)?;
-        let keys = match cache {
-            Some(_) => Some(all_parts(graph, cancel).map_err(unreadable)?),
-            None => None,
-        };
-        let mut plan = Self { graph, steps: Vec::new(), keys };
+        let depends = cache.map(|_| Dependencies::of(graph, cancel)).transpose();
+        let depends = depends.map_err(|fault| Diagnostic::error(fault.to_string()))?;
+        let mut plan = Self { graph, steps: Vec::new(), depends };
         plan.steps.resize_with(graph.nodes.len(), || None);
         plan.choose(&wanted, out, cache, cancel);
         Ok(plan)
@@ -91,14 +90,17 @@ impl<'g> Plan<'g> {
             }
             let sources = || node.inputs.iter().flatten().map(|wire| wire.node);
             sources().for_each(|source| reached[source] = true);
-            let step = match (read[at], asked[at]) {
-                (true, _) => self.loaded(at, cache),
-                (false, true) => self.kept(at, out, cache, cancel),
+            // What writes files does so whenever the work leads past it.
+            let is_asked = asked[at] || node.writes_files();
+            let entry = self.entry(at, cache).filter(|entry| {
+                !is_asked || entry.files.iter().all(|file| self.is_there(file, out, cancel))
+            });
+            let step = match entry {
+                Some(entry) if read[at] => self.loaded(at, entry, cache),
+                Some(entry) => Some(Step::Keep(entry)),
+                None if read[at] || is_asked => None,
                 // All that would read it is there already.
-                (false, false) => Some(match self.entry(at, cache) {
-                    Some(entry) => Step::Keep(entry),
-                    None => Step::Rest("what it would be needed for is cached".to_owned()),
-                }),
+                None => Some(Step::Rest("what it would be needed for is cached".to_owned())),
             };
             let step = step.unwrap_or(Step::Run);
             if matches!(step, Step::Run) {
@@ -109,97 +111,102 @@ impl<'g> Plan<'g> {
     }
 
     fn key(&self, at: usize) -> Option<&Key> {
-        Some(&self.keys.as_ref()?[at].0)
+        Some(&self.depends.as_ref()?.nodes[at].0)
     }
 
     fn entry(&self, at: usize, cache: Option<&dyn Cache>) -> Option<Entry> {
         cache?.look(self.key(at)?)
     }
 
-    fn loaded(&self, at: usize, cache: Option<&dyn Cache>) -> Option<Step> {
-        let entry = self.entry(at, cache)?;
+    fn loaded(&self, at: usize, entry: Entry, cache: Option<&dyn Cache>) -> Option<Step> {
         let values = cache?.load(self.key(at)?, &output_types(self.graph, at))?;
         Some(Step::Load { entry, values: Mutex::new(values) })
     }
 
-    /// A node that is wanted for itself may stay as it is if its files are as it wrote them.
-    fn kept(
-        &self,
-        at: usize,
-        out: &Path,
-        cache: Option<&dyn Cache>,
-        cancel: &CancelToken,
-    ) -> Option<Step> {
-        let entry = self.entry(at, cache)?;
-        let whole = entry.files.iter().all(|file| {
-            let found: InputFile = Origin::Folder(out.to_owned()).locate(&file.name);
-            let hash = self.graph.files.hash(&found, cancel);
-            hash.is_ok_and(|hash| hash.to_hex().as_str() == file.blake3)
-        });
-        whole.then_some(Step::Keep(entry))
+    /// Whether an output file is as it was written.
+    fn is_there(&self, file: &WrittenFile, out: &Path, cancel: &CancelToken) -> bool {
+        let found = Origin::Folder(out.to_owned()).locate(&file.name);
+        let hash = self.graph.files.hash(&found, cancel);
+        hash.is_ok_and(|hash| hash.to_hex().as_str() == file.blake3)
     }
 
-    /// Why the node called `id` runs, or does not, compared with the recipe's last run.
+    /// Why the node called `id` runs, or does not, compared with the recipe's last run. Where it is
+    /// because of a node that it reads from, that one is explained next.
     ///
     /// # Errors
     /// If there is no such node.
     pub fn explain(&self, id: &str, cache: Option<&dyn Cache>) -> Result<Vec<String>, Diagnostics> {
-        let at = self.graph.find(id).ok_or_else(|| unknown_node(self.graph, id))?;
+        let first = self.graph.find(id).ok_or_else(|| unknown_node(self.graph, id))?;
         let last = cache.and_then(|cache| cache.last_run(&self.graph.recipe)).unwrap_or_default();
         let mut lines = Vec::new();
         let mut told = vec![false; self.graph.nodes.len()];
-        self.explain_node(at, &last, cache.is_some(), &mut told, &mut lines);
+        let mut queue = VecDeque::from([first]);
+        while let Some(at) = queue.pop_front() {
+            if std::mem::replace(&mut told[at], true) {
+                continue;
+            }
+            lines.push(format!("{} {}", self.graph.nodes[at].id, self.doing(at)));
+            if at != first || matches!(self.steps[at], Some(Step::Run)) {
+                queue.extend(self.changes(at, &last, &mut lines));
+            }
+        }
         Ok(lines)
     }
 
-    fn explain_node(
-        &self,
-        at: usize,
-        last: &BTreeMap<String, Parts>,
-        has_cache: bool,
-        told: &mut [bool],
-        lines: &mut Vec<String>,
-    ) {
-        if std::mem::replace(&mut told[at], true) {
-            return;
-        }
-        let id = &self.graph.nodes[at].id;
-        let doing = match &self.steps[at] {
+    /// What is done about a node, in words.
+    fn doing(&self, at: usize) -> String {
+        match &self.steps[at] {
             None => "is not needed for the wanted outputs".to_owned(),
             Some(Step::Rest(why)) => format!("has nothing to do: {why}"),
             Some(Step::Load { .. }) => "is read from the cache".to_owned(),
             Some(Step::Keep(_)) => "is cached and nothing that runs reads it".to_owned(),
-            Some(Step::Run) if !has_cache => "runs: there is no cache (--cache DIR)".to_owned(),
+            Some(Step::Run) if self.depends.is_none() => {
+                "runs: there is no cache (--cache DIR)".to_owned()
+            }
             Some(Step::Run) => "runs".to_owned(),
-        };
-        lines.push(format!("{id} {doing}"));
-        let (Some(Step::Run), Some(keys)) = (&self.steps[at], &self.keys) else { return };
-        let now = &keys[at].1;
+        }
+    }
+
+    /// Says what changed about a node since the last run, and gives the nodes it is due to.
+    fn changes(
+        &self,
+        at: usize,
+        last: &BTreeMap<String, Parts>,
+        lines: &mut Vec<String>,
+    ) -> Vec<usize> {
+        let Some(depends) = &self.depends else { return Vec::new() };
+        let (node, now) = (&self.graph.nodes[at], &depends.nodes[at].1);
+        let id = &node.id;
         let Some(before) = last.get(id) else {
             lines.push(format!("{id}: no earlier run with this cache is known"));
-            return;
+            return Vec::new();
         };
         if now == before {
-            lines.push(format!(
-                "{id}: nothing changed; its values or files are gone, damaged or were too large"
-            ));
+            let why = "its values or files are gone, damaged or were too large";
+            lines.push(format!("{id}: nothing changed; {why}"));
         }
-        let kind = self.graph.kind(&self.graph.nodes[at]);
+        let mut due_to = Vec::new();
+        let inputs = &self.graph.kind(node).inputs;
         for (what, state) in now {
             let was = before.get(what).map_or("not there", String::as_str);
             if state == was {
                 continue;
             }
-            let port = kind.inputs.iter().position(|spec| input_part(spec.name) == *what);
-            match port.and_then(|port| self.graph.nodes[at].inputs[port]) {
+            let port = inputs.iter().position(|spec| input_part(spec.name) == *what);
+            match port.and_then(|port| node.inputs[port]) {
                 Some(wire) => {
                     let source = &self.graph.nodes[wire.node].id;
-                    lines.push(format!("{id}: {what} changed, since {source} did:"));
-                    self.explain_node(wire.node, last, has_cache, told, lines);
+                    if last.get(source) == Some(&depends.nodes[wire.node].1) {
+                        lines.push(format!("{id}: {what} is wired anew, to {source}"));
+                    } else {
+                        lines.push(format!("{id}: {what} changed, since {source} did"));
+                        due_to.push(wire.node);
+                    }
                 }
                 None => lines.push(format!("{id}: {what} was {was}, is {state}")),
             }
         }
+        due_to
     }
 }
 
@@ -214,25 +221,15 @@ fn wanted(graph: &Graph, only: &[String]) -> Result<Vec<usize>, Diagnostics> {
         return Ok(graph.wanted.clone());
     }
     let mut faults = Diagnostics::default();
-    let mut wanted = Vec::new();
-    for id in only {
-        match graph.find(id) {
-            Some(node) => wanted.push(node),
-            None => unknown_node(graph, id).0.into_iter().for_each(|fault| faults.push(fault)),
-        }
-    }
+    let find = |id: &String| graph.find(id).ok_or_else(|| unknown_node(graph, id));
+    let wanted = only.iter().filter_map(|id| find(id).map_err(|fault| faults.extend(fault)).ok());
+    let wanted = wanted.collect();
     if faults.has_errors() { Err(faults) } else { Ok(wanted) }
 }
 
 fn unknown_node(graph: &Graph, id: &str) -> Diagnostics {
+    let mut faults = Diagnostics::default();
     let fault = Diagnostic::error(format!("there is no node {id:?}"));
-    let fault = match did_you_mean(id, graph.nodes.iter().map(|node| node.id.as_str())) {
-        Some(near) => fault.help(format!("did you mean {near:?}?")),
-        None => fault,
-    };
-    Diagnostics(vec![fault])
-}
-
-fn unreadable(fault: FileError) -> Diagnostics {
-    Diagnostics(vec![Diagnostic::error(fault.to_string())])
+    faults.push_near(fault, id, graph.nodes.iter().map(|node| node.id.as_str()));
+    faults
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::any::{Any, TypeId};
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::sync::Arc;
 
 /// A value on its way from one node to the next.
@@ -100,7 +101,7 @@ impl Outputs for () {
 
 type FactsOf = dyn Fn(&Value) -> Facts + Send + Sync;
 type BytesOf = dyn Fn(&Value) -> usize + Send + Sync;
-type Encode = dyn Fn(&Value) -> Result<Vec<u8>, CacheError> + Send + Sync;
+type Encode = dyn Fn(&Value, &mut dyn Write) -> Result<(), CacheError> + Send + Sync;
 type Decode = dyn Fn(&[u8]) -> Result<Value, CacheError> + Send + Sync;
 
 /// A type of value that ports may carry: its name, what the report says of one, its size and how
@@ -129,8 +130,8 @@ impl PortType {
     ) -> Self {
         let of = move |value: &Value| value.downcast_ref::<T>().map(facts).unwrap_or_default();
         let size = move |value: &Value| value.downcast_ref::<T>().map_or(0, bytes);
-        let encode = |value: &Value| match value.downcast_ref::<T>() {
-            Some(value) => postcard::to_stdvec(value).map_err(CacheError::Encode),
+        let encode = |value: &Value, to: &mut dyn Write| match value.downcast_ref::<T>() {
+            Some(value) => postcard::to_io(value, to).map(drop).map_err(CacheError::Encode),
             None => Err(CacheError::WrongType(std::any::type_name::<T>())),
         };
         let decode = |bytes: &[u8]| match postcard::from_bytes::<T>(bytes) {
@@ -156,8 +157,8 @@ impl PortType {
         (self.bytes)(value)
     }
 
-    pub(crate) fn encode(&self, value: &Value) -> Result<Vec<u8>, CacheError> {
-        (self.encode)(value)
+    pub(crate) fn encode(&self, value: &Value, to: &mut dyn Write) -> Result<(), CacheError> {
+        (self.encode)(value, to)
     }
 
     pub(crate) fn decode(&self, bytes: &[u8]) -> Result<Value, CacheError> {

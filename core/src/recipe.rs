@@ -1,14 +1,17 @@
 //! A recipe as it is written: nodes, wires, knobs, each with its place in the text.
 //!
 //! Reading a recipe finds what is wrong with its form: missing or unknown fields, values of the
-//! wrong type, names that are no names. Whether the nodes exist and fit together is found when a
-//! [graph](crate::graph) is built of it.
+//! wrong type, names that are no names, a field that two knobs drive. Whether the nodes exist and
+//! fit together is found when a [graph](crate::graph) is built of it.
 
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::files::Origin;
-use crate::ron::{self, Value, ValueKind};
+use crate::ron::{self, MAX_TEXT_BYTES, Value, ValueKind};
 use crate::source::{Source, Span};
+use std::collections::HashSet;
 use std::sync::Arc;
+
+pub use crate::ron::Name;
 
 /// The version of the format that this program writes, and the newest that it reads.
 pub const FORMAT: i64 = 1;
@@ -19,14 +22,12 @@ pub const MAX_NODES: usize = 10_000;
 /// Recipes inside recipes go no deeper.
 pub const MAX_DEPTH: usize = 16;
 
-/// A name in a recipe and where it stands.
-#[derive(Clone, Debug)]
-pub struct Name {
-    /// The name.
-    pub text: String,
-    /// Where it stands.
-    pub span: Span,
-}
+/// A recipe with its inner ones, each counted as often as it is used, has no more text: 10,000
+/// nodes of 1,600 bytes each.
+pub const MAX_LAID_OUT_BYTES: usize = 4 * MAX_TEXT_BYTES;
+
+/// What a field is set to has no more bytes, since one knob may set 10,000 fields.
+pub const MAX_VALUE_BYTES: usize = 16 << 10;
 
 /// A name that stands for places inside the recipe: a knob or, in an inner recipe, an input.
 #[derive(Clone, Debug)]
@@ -96,7 +97,7 @@ impl Recipe {
 struct Fields<'a> {
     what: String,
     span: Span,
-    left: Vec<(Name, &'a Value)>,
+    left: Vec<(&'a Name, &'a Value)>,
     known: Vec<&'static str>,
 }
 
@@ -117,7 +118,7 @@ impl Reader {
         value: &Value,
     ) -> Option<Recipe> {
         let mut fields = self.fields(value, "the recipe", Some("Recipe"))?;
-        if !self.format(&mut fields) {
+        if self.is_newer(&mut fields) {
             return None;
         }
         let (nodes, outputs) = (fields.required("nodes", self), fields.required("outputs", self));
@@ -130,34 +131,44 @@ impl Reader {
             inputs: self.aliases(fields.take("inputs"), "inputs", "feeds"),
             params: self.aliases(fields.take("params"), "params", "sets"),
             nodes: self.nodes(nodes),
-            outputs: self.names(outputs, "outputs"),
+            outputs: self.outputs(outputs),
         };
         fields.take("layout");
         self.no_more(fields);
         Some(recipe)
     }
 
-    /// Whether the format is one that this program reads. A newer one may mean anything by its
-    /// fields, so nothing else is said about it.
-    fn format(&mut self, fields: &mut Fields<'_>) -> bool {
+    /// Whether the format is newer than what this program reads. Such a one may mean anything by
+    /// its fields, so nothing else is said about it.
+    fn is_newer(&mut self, fields: &mut Fields<'_>) -> bool {
         let Some(value) = fields.required("format", self) else { return false };
-        let ValueKind::Integer(format) = value.kind else {
-            self.faults.push(value.mismatch("format", "a whole number"));
-            return false;
-        };
-        if (1..=FORMAT).contains(&format) {
-            return true;
-        }
-        let fault = if format > FORMAT {
-            Diagnostic::error(format!(
+        let fault = match value.kind {
+            ValueKind::Integer(1..=FORMAT) => return false,
+            ValueKind::Integer(format) if format > FORMAT => Diagnostic::error(format!(
                 "this recipe has format {format}; this program reads formats up to {FORMAT}"
             ))
-            .help("update carve to run it")
-        } else {
-            Diagnostic::error(format!("there is no format {format}; the first one is 1"))
+            .help("update carve to run it"),
+            ValueKind::Integer(format) => {
+                Diagnostic::error(format!("there is no format {format}; the first one is 1"))
+            }
+            _ => value.mismatch("format", "a whole number"),
         };
         self.faults.push(fault.at(value.span.clone()));
-        false
+        matches!(value.kind, ValueKind::Integer(format) if format > FORMAT)
+    }
+
+    fn outputs(&mut self, value: Option<&Value>) -> Vec<Name> {
+        let names = self.names(value, "outputs");
+        if let Some(value) = value
+            && matches!(&value.kind, ValueKind::List(items) if items.is_empty())
+        {
+            self.fault(&value.span, "outputs is empty, so the recipe is run for nothing");
+        }
+        let mut seen = HashSet::new();
+        for name in names.iter().filter(|name| !seen.insert(name.text.as_str())) {
+            self.fault(&name.span, format!("outputs names {:?} twice", name.text));
+        }
+        names
     }
 
     fn nodes(&mut self, value: Option<&Value>) -> Vec<RecipeNode> {
@@ -174,7 +185,7 @@ impl Reader {
     }
 
     fn node(&mut self, id: Name, value: &Value) -> Option<RecipeNode> {
-        self.check_id(&id);
+        self.check_name(&id, "a node");
         let mut fields = self.fields(value, &format!("node {:?}", id.text), None)?;
         let kind = fields.required("kind", self).and_then(|value| self.name(value, "kind"));
         let from = self.entries(fields.take("from"), "from");
@@ -183,32 +194,50 @@ impl Reader {
             .filter_map(|(port, value)| Some((port, self.name(value, "a source in from")?)))
             .collect();
         let set = self.entries(fields.take("set"), "set");
-        let set = set.into_iter().map(|(name, value)| (name, value.clone())).collect();
+        let set = set.into_iter().filter_map(|(name, value)| self.literal(name, value)).collect();
         self.text(fields.take("note"), "note");
         self.no_more(fields);
         Some(RecipeNode { id, kind: kind?, from, set })
     }
 
-    fn check_id(&mut self, id: &Name) {
-        let fits = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
-        if id.text.is_empty() || id.text.len() > 64 || !id.text.chars().all(fits) {
-            let message = format!("{:?} is no name for a node", id.text);
-            self.faults.push(
-                Diagnostic::error(message)
-                    .at(id.span.clone())
-                    .help("letters, digits, _ and - do, 64 at most"),
-            );
+    /// What a field is set to; complains of what no field takes.
+    fn literal(&mut self, name: Name, value: &Value) -> Option<(Name, Value)> {
+        match &value.kind {
+            ValueKind::Text(text) if text.len() > MAX_VALUE_BYTES => {
+                let (what, bytes) = (&name.text, text.len());
+                let message = format!("{what} has {bytes} bytes; the limit is {MAX_VALUE_BYTES}");
+                self.fault(&value.span, message);
+                None
+            }
+            ValueKind::Unit
+            | ValueKind::List(_)
+            | ValueKind::Map(_)
+            | ValueKind::Struct { .. }
+            | ValueKind::Tuple { .. } => {
+                let fault = value.mismatch(&name.text, "a number, a text, true or false");
+                self.faults.push(fault);
+                None
+            }
+            _ => Some((name, value.clone())),
         }
     }
 
-    fn aliases(
-        &mut self,
-        value: Option<&Value>,
-        what: &str,
-        targets: &'static str,
-    ) -> Vec<Alias> {
+    fn check_name(&mut self, name: &Name, what: &str) {
+        let fits = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
+        let Name { text, span } = name;
+        if text.is_empty() || text.len() > 64 || !text.chars().all(fits) {
+            let fault = Diagnostic::error(format!("{text:?} is no name for {what}"));
+            let help = "letters, digits, _ and - do, 64 at most";
+            self.faults.push(fault.at(span.clone()).help(help));
+        }
+    }
+
+    /// Names for what is inside the recipe. Nothing may be driven by two of them: which one counts
+    /// would depend on their order.
+    fn aliases(&mut self, value: Option<&Value>, what: &str, targets: &'static str) -> Vec<Alias> {
         let mut aliases = Vec::new();
         for (name, value) in self.entries(value, what) {
+            self.check_name(&name, "what a user sets");
             let Some(mut fields) = self.fields(value, &format!("{:?}", name.text), None) else {
                 continue;
             };
@@ -217,6 +246,11 @@ impl Reader {
             let targets = self.names(list, targets);
             self.no_more(fields);
             aliases.push(Alias { name, targets, about });
+        }
+        let mut seen = HashSet::new();
+        let targets = aliases.iter().flat_map(|alias| &alias.targets);
+        for target in targets.filter(|target| !seen.insert(target.text.as_str())) {
+            self.fault(&target.span, format!("{what} drives {:?} twice", target.text));
         }
         aliases
     }
@@ -228,20 +262,22 @@ impl Reader {
         what: &str,
         named: Option<&str>,
     ) -> Option<Fields<'a>> {
-        let ValueKind::Struct { name, fields } = &value.kind else {
-            self.faults.push(value.mismatch(what, "fields in (...)"));
-            return None;
+        let (name, fields) = match &value.kind {
+            ValueKind::Struct { name, fields } => (name.as_ref(), fields.as_slice()),
+            ValueKind::Unit => (None, [].as_slice()),
+            _ => {
+                self.faults.push(value.mismatch(what, "fields in (...)"));
+                return None;
+            }
         };
-        if let Some((name, span)) = name
-            && named != Some(name.as_str())
+        if let Some(Name { text, span }) = name
+            && named != Some(text.as_str())
         {
-            let wanted = named.map_or("nothing".to_owned(), |named| format!("{named:?} or nothing"));
-            self.fault(span, format!("before the fields of {what} stands {wanted}, not {name:?}"));
+            let wanted =
+                named.map_or("nothing".to_owned(), |named| format!("{named:?} or nothing"));
+            self.fault(span, format!("before the fields of {what} stands {wanted}, not {text:?}"));
         }
-        let left = fields
-            .iter()
-            .map(|(name, span, value)| (Name { text: name.clone(), span: span.clone() }, value))
-            .collect();
+        let left = fields.iter().map(|(name, value)| (name, value)).collect();
         Some(Fields { what: what.to_owned(), span: value.span.clone(), left, known: Vec::new() })
     }
 
@@ -250,11 +286,7 @@ impl Reader {
         for (name, _) in &fields.left {
             let message = format!("{} has no field {:?}", fields.what, name.text);
             let fault = Diagnostic::error(message).at(name.span.clone());
-            let near = did_you_mean(&name.text, fields.known.iter().copied());
-            self.faults.push(match near {
-                Some(near) => fault.help(format!("did you mean {near:?}?")),
-                None => fault.help(format!("its fields are {}", fields.known.join(", "))),
-            });
+            self.faults.push_near(fault, &name.text, fields.known.iter().copied());
         }
     }
 

@@ -1,8 +1,12 @@
 //! The kinds of node and the types of value that an engine knows.
 
 use crate::catalog::Catalogs;
+use crate::files::Origin;
+use crate::graph::RECIPE_KIND;
 use crate::node::NodeKind;
+use crate::param::{Given, ParamSpec, ParamValue};
 use crate::port::{PortSpec, PortType};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything a recipe may refer to: kinds of node, types of value, catalogs of names.
@@ -19,8 +23,23 @@ pub enum RegistryError {
     /// The list is to be sorted, each name once.
     #[error("{0:?} stands out of order or twice in the list of nodes")]
     Order(&'static str),
+    /// Recipes call each other by this name.
+    #[error("no node may be called {RECIPE_KIND:?}")]
+    Reserved,
+    /// A default is none of the values that the parameter takes.
+    #[error("the default of {param:?} of {kind:?} does not do: {message}")]
+    Default {
+        /// The node.
+        kind: &'static str,
+        /// Its parameter.
+        param: &'static str,
+        /// What is wrong.
+        message: String,
+    },
     /// A port carries a type that is not described.
-    #[error("port {port:?} of {kind:?} carries {rust_type}, which is not on the list of port types")]
+    #[error(
+        "port {port:?} of {kind:?} carries {rust_type}, which is not on the list of port types"
+    )]
     UnknownType {
         /// The node.
         kind: &'static str,
@@ -35,7 +54,7 @@ impl Registry {
     /// Makes a registry of nodes sorted by name and of the types their ports carry.
     ///
     /// # Errors
-    /// If the names are not in order, or a port's type is missing.
+    /// If the names are not in order, a port's type is missing, or a default is out of its range.
     pub fn new(
         kinds: Vec<NodeKind>,
         types: Vec<PortType>,
@@ -45,6 +64,15 @@ impl Registry {
             return Err(RegistryError::Order(pair[1].name));
         }
         for kind in &kinds {
+            if kind.name == RECIPE_KIND {
+                return Err(RegistryError::Reserved);
+            }
+            for spec in &kind.params {
+                check_default(spec, &catalogs).map_err(|message| {
+                    let (kind, param) = (kind.name, spec.name);
+                    RegistryError::Default { kind, param, message }
+                })?;
+            }
             for port in kind.inputs.iter().chain(&kind.outputs) {
                 if !types.iter().any(|known| known.type_id == port.type_id) {
                     let (kind, port, rust_type) = (kind.name, port.name, port.rust_type);
@@ -90,5 +118,17 @@ impl Registry {
     #[must_use]
     pub fn catalogs(&self) -> &Catalogs {
         &self.catalogs
+    }
+}
+
+/// Whether a recipe could set a parameter to its default.
+fn check_default(spec: &ParamSpec, catalogs: &Catalogs) -> Result<(), String> {
+    let Some(default) = &spec.default else { return Ok(()) };
+    let locate = |path: &str| Origin::Folder(PathBuf::new()).locate(path);
+    let word = default.to_string();
+    match spec.read(Given::Word(&word), catalogs, &locate) {
+        Ok(read) if read == *default || matches!(read, ParamValue::File(_)) => Ok(()),
+        Ok(read) => Err(format!("{word} would be read as {read}")),
+        Err(fault) => Err(fault.message),
     }
 }

@@ -6,15 +6,16 @@
 //! panics takes only those with it that read from it. Output files are put in place at the end, all
 //! together; see [`staging`](crate::staging).
 
-use crate::cache::{Cache, Entry, Parts};
+use crate::cache::{Cache, Entry};
 use crate::cancel::CancelToken;
 use crate::context::{Context, Observer};
-use crate::files::FileError;
+use crate::files::{FileError, InputFile};
+use crate::graph::GraphNode;
 use crate::node::NodeError;
 use crate::plan::{Plan, Step, output_types};
 use crate::port::{InputValues, Value};
 use crate::report::{NodeReport, NodeStatus, PortReport, RunReport, RunStatus, peak_rss_mb};
-use crate::staging::{Staging, WrittenFile};
+use crate::staging::{Staging, Writer, WrittenFile};
 use rayon::Scope;
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -26,6 +27,10 @@ use std::time::Instant;
 
 /// What the names of the threads begin with that nodes run on.
 pub const THREAD_NAME: &str = "carve node";
+
+/// Stack of a thread. A kernel that waits for the rest of its loop takes up another node meanwhile,
+/// and that one another: so the frames of several nodes stand on one stack. Only what is used counts.
+const STACK_BYTES: usize = 16 << 20;
 
 /// How to run a plan.
 #[derive(Clone, Copy)]
@@ -85,6 +90,28 @@ enum Ended {
     Cancelled,
 }
 
+/// Why a node did not finish.
+#[derive(Debug, thiserror::Error)]
+enum Stop {
+    #[error("nothing came from {0:?}, which it reads")]
+    Lacks(String),
+    #[error(transparent)]
+    Fault(NodeError),
+}
+
+impl Stop {
+    fn end(&self) -> (NodeStatus, Ended) {
+        match self {
+            Self::Lacks(_) => (NodeStatus::Skipped, Ended::Badly),
+            Self::Fault(NodeError::Cancelled | NodeError::File(FileError::Cancelled)) => {
+                (NodeStatus::Skipped, Ended::Cancelled)
+            }
+            Self::Fault(NodeError::Refused { .. }) => (NodeStatus::Failed, Ended::Refused),
+            Self::Fault(_) => (NodeStatus::Failed, Ended::Badly),
+        }
+    }
+}
+
 /// One node's state during a run.
 #[derive(Default)]
 struct Slot {
@@ -111,8 +138,10 @@ pub fn run(plan: &Plan<'_>, session: &Session, options: RunOptions<'_>) -> RunRe
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .thread_name(|index| format!("{THREAD_NAME} {index}"))
+        .stack_size(STACK_BYTES)
         .build();
     let runner = Runner::new(plan, session, options);
+    runner.claim_names();
     let mut threads = 1;
     let mut trouble = None;
     match pool {
@@ -138,8 +167,7 @@ impl<'a> Runner<'a> {
         let count = plan.graph.nodes.len();
         let mut slots = Vec::new();
         slots.resize_with(count, Slot::default);
-        let runner =
-            Self { plan, options, session, slots, readers: vec![Vec::new(); count] };
+        let runner = Self { plan, options, session, slots, readers: vec![Vec::new(); count] };
         runner.with_readers()
     }
 
@@ -159,6 +187,30 @@ impl<'a> Runner<'a> {
             *self.slots[at].readers.get_mut() = self.readers[at].len();
         }
         self
+    }
+
+    /// Takes the names of all files that are there already and keeps the inputs from being replaced.
+    fn claim_names(&self) {
+        let inputs = self.plan.graph.nodes.iter().flat_map(GraphNode::files);
+        self.session.staging.protect(inputs.filter_map(InputFile::canonical));
+        for (at, entry) in self.found() {
+            for file in &entry.files {
+                // Two such nodes with one name cannot be: they would not both have finished.
+                let _ = self.session.staging.take_name(&file.name, &self.writer(at));
+            }
+        }
+    }
+
+    /// The nodes that need not run, and what is known of them.
+    fn found(&self) -> impl Iterator<Item = (usize, &'a Entry)> {
+        self.plan.steps.iter().enumerate().filter_map(|(at, step)| match step {
+            Some(Step::Keep(entry) | Step::Load { entry, .. }) => Some((at, entry)),
+            _ => None,
+        })
+    }
+
+    fn writer(&self, at: usize) -> Writer {
+        Writer { node: at, id: self.plan.graph.nodes[at].id.clone() }
     }
 
     /// The nodes that a node reads from, each once.
@@ -238,43 +290,39 @@ impl<'a> Runner<'a> {
     fn run_node(&self, at: usize) -> Outcome {
         let started = Instant::now();
         let context = self.context(at);
+        // A node owns nothing that outlives it: what a panic leaves behind is dropped with it.
         let result = self.inputs(at).and_then(|inputs| {
             let node = &self.plan.graph.nodes[at].node;
-            // A node owns nothing that outlives it: what a panic leaves behind is dropped with it.
-            catch_unwind(AssertUnwindSafe(|| node.run(&inputs, &context)))
-                .unwrap_or_else(|panic| Err(NodeError::Failed(panic_message(&*panic))))
-        });
-        let wall_s = started.elapsed().as_secs_f64();
-        let notes = context.notes.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let kind = self.plan.graph.kind(&self.plan.graph.nodes[at]).name;
-        let report = |status, reason, outputs| NodeReport {
-            kind,
-            status,
-            wall_s,
-            outputs,
-            notes: notes.clone(),
-            reason,
-        };
-        match result {
-            Ok(values) => {
+            let work = || {
+                let values = node.run(&inputs, &context)?;
                 let outputs = self.facts(at, &values);
-                self.keep(at, &report(NodeStatus::Ran, None, outputs.clone()), &values);
-                let report = report(NodeStatus::Ran, None, outputs);
-                Outcome { report, values, ended: Ended::Well }
+                Ok((values, outputs))
+            };
+            catch_unwind(AssertUnwindSafe(work))
+                .unwrap_or_else(|panic| Err(NodeError::Failed(panic_message(&*panic))))
+                .map_err(Stop::Fault)
+        });
+        let mut report = NodeReport {
+            kind: self.plan.graph.kind(&self.plan.graph.nodes[at]).name,
+            status: NodeStatus::Ran,
+            wall_s: started.elapsed().as_secs_f64(),
+            outputs: BTreeMap::new(),
+            notes: context.notes.into_inner().unwrap_or_else(PoisonError::into_inner),
+            reason: None,
+        };
+        let mut ended = Ended::Well;
+        let mut values = Vec::new();
+        match result {
+            Ok((made, outputs)) => {
+                (values, report.outputs) = (made, outputs);
+                self.keep(at, &report, &values);
             }
-            Err(fault) => {
-                let (status, ended) = match &fault {
-                    NodeError::Cancelled | NodeError::File(FileError::Cancelled) => {
-                        (NodeStatus::Skipped, Ended::Cancelled)
-                    }
-                    NodeError::Refused { .. } => (NodeStatus::Failed, Ended::Refused),
-                    _ if self.lacks_input(at) => (NodeStatus::Skipped, Ended::Badly),
-                    _ => (NodeStatus::Failed, Ended::Badly),
-                };
-                let report = report(status, Some(fault.to_string()), BTreeMap::new());
-                Outcome { report, values: Vec::new(), ended }
+            Err(stop) => {
+                (report.status, ended) = stop.end();
+                report.reason = Some(stop.to_string());
             }
         }
+        Outcome { report, values, ended }
     }
 
     fn context(&self, at: usize) -> Context<'_> {
@@ -283,7 +331,9 @@ impl<'a> Runner<'a> {
             index: at,
             node: &node.id,
             prefix: &node.prefix,
+            uses_prefix: self.plan.graph.kind(node).uses_prefix,
             files: self.plan.graph.files,
+            hashes: self.plan.depends.as_ref().map(|depends| &depends.files),
             staging: &self.session.staging,
             catalogs: self.plan.graph.catalogs(),
             cancel: &self.session.cancel,
@@ -292,10 +342,10 @@ impl<'a> Runner<'a> {
         }
     }
 
-    /// The values at a node's inputs, or why one is not there.
-    fn inputs(&self, at: usize) -> Result<InputValues, NodeError> {
+    /// The values at a node's inputs, or why it cannot be run.
+    fn inputs(&self, at: usize) -> Result<InputValues, Stop> {
         if self.session.cancel.is_cancelled() {
-            return Err(NodeError::Cancelled);
+            return Err(Stop::Fault(NodeError::Cancelled));
         }
         let node = &self.plan.graph.nodes[at];
         let specs = &self.plan.graph.kind(node).inputs;
@@ -305,38 +355,28 @@ impl<'a> Runner<'a> {
             let outcome = lock(&self.slots[wire.node].outcome);
             match outcome.as_ref().and_then(|outcome| outcome.values.get(wire.port)) {
                 Some(value) => inputs.insert(spec.name, Arc::clone(value)),
-                None => {
-                    let source = &self.plan.graph.nodes[wire.node].id;
-                    let message = format!("nothing came from {source:?}, which it reads");
-                    return Err(NodeError::Failed(message));
-                }
+                None => return Err(Stop::Lacks(self.plan.graph.nodes[wire.node].id.clone())),
             }
         }
         Ok(inputs)
     }
 
-    fn lacks_input(&self, at: usize) -> bool {
-        self.sources(at).iter().any(|source| {
-            let outcome = lock(&self.slots[*source].outcome);
-            outcome.as_ref().is_none_or(|outcome| outcome.ended != Ended::Well)
-        })
-    }
-
     fn facts(&self, at: usize, values: &[Value]) -> BTreeMap<String, PortReport> {
         let ports = &self.plan.graph.kind(&self.plan.graph.nodes[at]).outputs;
         let types = output_types(self.plan.graph, at);
-        let report = |((port, port_type), value): ((&crate::PortSpec, &&crate::PortType), &Value)| {
-            let facts = port_type.facts(value).into_iter();
-            let facts = facts.map(|(name, fact)| (name.to_owned(), fact)).collect();
-            (port.name.to_owned(), PortReport { type_name: port_type.name.to_owned(), facts })
-        };
+        let report =
+            |((port, port_type), value): ((&crate::PortSpec, &&crate::PortType), &Value)| {
+                let facts = port_type.facts(value).into_iter();
+                let facts = facts.map(|(name, fact)| (name.to_owned(), fact)).collect();
+                (port.name.to_owned(), PortReport { type_name: port_type.name.to_owned(), facts })
+            };
         ports.iter().zip(&types).zip(values).map(report).collect()
     }
 
     /// Puts what a node made into the cache.
     fn keep(&self, at: usize, report: &NodeReport, values: &[Value]) {
-        let (Some(cache), Some(keys)) = (self.options.cache, &self.plan.keys) else { return };
-        let (key, parts) = &keys[at];
+        let (Some(cache), Some(depends)) = (self.options.cache, &self.plan.depends) else { return };
+        let (key, parts) = &depends.nodes[at];
         let entry = Entry {
             parts: parts.clone(),
             wall_s: report.wall_s,
@@ -362,25 +402,29 @@ impl<'a> Runner<'a> {
         match &self.plan.steps[at] {
             Some(Step::Keep(entry)) => self.cached(at, entry),
             Some(Step::Rest(why)) => report(NodeStatus::Skipped, why.clone()),
-            _ => report(NodeStatus::Skipped, "no output needs it".to_owned()),
+            Some(_) => report(NodeStatus::Skipped, "it was not begun".to_owned()),
+            None => report(NodeStatus::Skipped, "no output needs it".to_owned()),
         }
     }
 
     fn report(self, started: Instant, threads: usize, mut trouble: Option<String>) -> RunReport {
         let graph = self.plan.graph;
         let mut ends = Vec::new();
-        let mut finished = vec![false; graph.nodes.len()];
         let mut nodes = BTreeMap::new();
+        // Those whose files and values count.
+        let mut finished = Vec::with_capacity(graph.nodes.len());
         for (at, node) in graph.nodes.iter().enumerate() {
-            let outcome = lock(&self.slots[at].outcome).take();
-            let report = match outcome {
-                Some(outcome) => {
-                    finished[at] = outcome.ended == Ended::Well;
-                    ends.push(outcome.ended);
-                    outcome.report
-                }
-                None => self.rested(at),
+            let (mut report, mut ended) = match lock(&self.slots[at].outcome).take() {
+                Some(outcome) => (outcome.report, outcome.ended),
+                None => (self.rested(at), Ended::Well),
             };
+            if let Some(fault) = self.session.staging.ousted(at) {
+                (report.status, report.reason) = (NodeStatus::Failed, Some(fault.to_string()));
+                report.outputs.clear();
+                ended = Ended::Badly;
+            }
+            finished.push(ended == Ended::Well && report.status != NodeStatus::Skipped);
+            ends.push(ended);
             nodes.insert(node.id.clone(), report);
         }
         let mut status = if ends.contains(&Ended::Refused) {
@@ -393,43 +437,57 @@ impl<'a> Runner<'a> {
             RunStatus::Done
         };
         let mut files = Vec::new();
-        match status {
-            RunStatus::Refused | RunStatus::Interrupted => self.session.staging.abandon(),
-            RunStatus::Done | RunStatus::Failed => {
-                match self.session.staging.publish(|at| finished[at]) {
-                    Ok(published) => files = self.files(published),
-                    Err(fault) => {
+        if matches!(status, RunStatus::Done | RunStatus::Failed) {
+            match self.session.staging.publish(|at| finished[at]) {
+                None => status = RunStatus::Interrupted,
+                Some(published) => {
+                    files = self.files(published.files, &finished);
+                    if let Some(fault) = published.fault {
                         status = RunStatus::Failed;
                         trouble = Some(fault.to_string());
                     }
                 }
             }
+        } else {
+            self.session.staging.abandon();
         }
-        self.remember();
+        self.remember(&finished);
         let wall_s = started.elapsed().as_secs_f64();
         let recipe = graph.recipe.clone();
-        RunReport { recipe, status, wall_s, peak_rss_mb: peak_rss_mb(), threads, files, nodes, trouble }
+        RunReport {
+            recipe,
+            status,
+            wall_s,
+            peak_rss_mb: peak_rss_mb(),
+            threads,
+            files,
+            nodes,
+            trouble,
+        }
     }
 
     /// The paths of all output files, those that were there already included, in the nodes' order.
-    fn files(&self, published: Vec<(usize, WrittenFile)>) -> Vec<String> {
-        let mut files = published;
-        for (at, step) in self.plan.steps.iter().enumerate() {
-            if let Some(Step::Keep(entry)) = step {
-                files.extend(entry.files.iter().map(|file| (at, file.clone())));
-            }
-        }
+    fn files(&self, published: Vec<(usize, WrittenFile)>, finished: &[bool]) -> Vec<String> {
+        let found = self.found().filter(|(at, _)| finished[*at]);
+        let found = found.flat_map(|(at, entry)| entry.files.iter().map(move |file| (at, file)));
+        let mut files: Vec<_> =
+            published.iter().map(|(at, file)| (*at, file)).chain(found).collect();
         files.sort_by(|a, b| (a.0, &a.1.name).cmp(&(b.0, &b.1.name)));
         let path = |name: &str| self.session.out.join(name).display().to_string();
         files.iter().map(|(_, file)| path(&file.name)).collect()
     }
 
-    fn remember(&self) {
-        let (Some(cache), Some(keys)) = (self.options.cache, &self.plan.keys) else { return };
-        let nodes = self.plan.graph.nodes.iter().zip(keys);
-        let nodes: BTreeMap<String, Parts> =
-            nodes.map(|(node, (_, parts))| (node.id.clone(), parts.clone())).collect();
-        cache.remember_run(&self.plan.graph.recipe, &nodes);
+    /// Notes what the nodes that finished depended on; of the others stays what was noted before.
+    fn remember(&self, finished: &[bool]) {
+        let (Some(cache), Some(depends)) = (self.options.cache, &self.plan.depends) else { return };
+        let graph = self.plan.graph;
+        let mut last = cache.last_run(&graph.recipe).unwrap_or_default();
+        let noted = graph.nodes.iter().enumerate().filter_map(|(at, node)| {
+            let known = finished[at].then(|| depends.nodes[at].1.clone());
+            Some((node.id.clone(), known.or_else(|| last.remove(&node.id))?))
+        });
+        let noted = noted.collect();
+        cache.remember_run(&graph.recipe, &noted);
     }
 }
 

@@ -3,10 +3,15 @@
 //! A node writes to a temporary file beside the place where the file is to be. When the run is over,
 //! the files of the nodes that finished are renamed into place; everything else vanishes. So a
 //! program never stands beside the picture of another one, and no half file is ever seen.
+//!
+//! Limit: should the system refuse a renaming halfway, the files renamed before it stay; that they
+//! can be put in place is looked at beforehand. Each file costs one wait for the disk, in the node
+//! that writes it and so beside the work of the others.
 
 use crate::cancel::CancelToken;
 use crate::files::FileError;
-use std::collections::BTreeSet;
+use crate::hashing::Hashing;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -27,6 +32,14 @@ pub struct WrittenFile {
     pub blake3: String,
 }
 
+/// A node as one that writes files.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Writer {
+    /// Its number, which decides when two nodes want one name.
+    pub(crate) node: usize,
+    pub(crate) id: String,
+}
+
 struct Staged {
     node: usize,
     temporary: NamedTempFile,
@@ -36,16 +49,31 @@ struct Staged {
 /// The files of one run on their way to the output folder.
 pub(crate) struct Staging {
     folder: PathBuf,
-    made_folder: Mutex<bool>,
-    /// File names and the nodes that took them.
-    taken: Mutex<Vec<(String, String)>>,
-    staged: Mutex<Vec<Staged>>,
-    temporaries: Mutex<BTreeSet<PathBuf>>,
+    state: Mutex<State>,
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // A panicking node leaves the lists behind these locks whole: each change is one push or insert.
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+#[derive(Default)]
+struct State {
+    /// The folders that were made for this run, innermost first.
+    made: Vec<PathBuf>,
+    /// Files that the run reads; nothing is put in their place.
+    inputs: BTreeSet<PathBuf>,
+    /// File names in lower case and the nodes that write them: names that differ in case only are
+    /// one file on Windows and macOS.
+    taken: BTreeMap<String, Writer>,
+    /// Nodes that want a name which belongs to another one, and the name.
+    ousted: BTreeMap<usize, String>,
+    staged: Vec<Staged>,
+    temporaries: BTreeSet<PathBuf>,
+    abandoned: bool,
+}
+
+/// What became of the files of a run.
+pub(crate) struct Published {
+    /// The files in place, in the order of the nodes.
+    pub(crate) files: Vec<(usize, WrittenFile)>,
+    /// Why others are not.
+    pub(crate) fault: Option<FileError>,
 }
 
 fn cannot_write(path: &Path, source: io::Error) -> FileError {
@@ -54,94 +82,136 @@ fn cannot_write(path: &Path, source: io::Error) -> FileError {
 
 impl Staging {
     pub(crate) fn new(folder: PathBuf) -> Self {
-        Self {
-            folder,
-            made_folder: Mutex::default(),
-            taken: Mutex::default(),
-            staged: Mutex::default(),
-            temporaries: Mutex::default(),
-        }
+        Self { folder, state: Mutex::default() }
     }
 
-    /// Begins a file that node number `node`, called `id`, writes.
+    fn state(&self) -> MutexGuard<'_, State> {
+        // A node that panics leaves the state whole: nothing panics while it is locked.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps files from being replaced.
+    pub(crate) fn protect(&self, inputs: impl IntoIterator<Item = PathBuf>) {
+        self.state().inputs.extend(inputs);
+    }
+
+    /// Takes a name for a node: two cannot write one file. Of two that try, the one that stands
+    /// first in the recipe has it, whichever came first.
+    pub(crate) fn take_name(&self, name: &str, writer: &Writer) -> Result<(), FileError> {
+        let state = &mut *self.state();
+        let key = name.to_lowercase();
+        if let Some(other) = state.taken.get(&key).cloned() {
+            if other.node <= writer.node {
+                state.ousted.insert(writer.node, name.to_owned());
+                return Err(FileError::Taken { name: name.to_owned(), other: other.id });
+            }
+            let is_same = |staged: &Staged| staged.file.name.to_lowercase() == key;
+            state.staged.retain(|staged| staged.node != other.node || !is_same(staged));
+            state.ousted.insert(other.node, name.to_owned());
+        }
+        state.taken.insert(key, writer.clone());
+        Ok(())
+    }
+
+    /// Why a node fails at last, even if it got to its end before the node came whose name it used.
+    pub(crate) fn ousted(&self, node: usize) -> Option<FileError> {
+        let state = self.state();
+        let name = state.ousted.get(&node)?;
+        let owner = state.taken.get(&name.to_lowercase())?;
+        Some(FileError::Taken { name: name.clone(), other: owner.id.clone() })
+    }
+
+    /// Begins a file.
     pub(crate) fn create<'a>(
         &'a self,
-        node: usize,
-        id: &str,
         name: String,
+        writer: Writer,
         cancel: &'a CancelToken,
     ) -> Result<OutputFile<'a>, FileError> {
-        self.take_name(&name, id)?;
-        self.make_folder()?;
+        self.take_name(&name, &writer)?;
+        let target = self.folder.join(&name);
+        let mut state = self.state();
+        if target.canonicalize().is_ok_and(|target| state.inputs.contains(&target)) {
+            return Err(FileError::Input { name: target.display().to_string() });
+        }
+        if state.abandoned {
+            return Err(FileError::Cancelled);
+        }
+        state.make(&self.folder).map_err(|source| cannot_write(&self.folder, source))?;
         let temporary = temporary_file()
             .tempfile_in(&self.folder)
-            .map_err(|source| cannot_write(&self.folder.join(&name), source))?;
-        lock(&self.temporaries).insert(temporary.path().to_owned());
-        let writer = BufWriter::with_capacity(BUFFER_BYTES, temporary);
-        let hasher = blake3::Hasher::new();
-        Ok(OutputFile { staging: self, node, name, cancel, writer, hasher, bytes: 0 })
+            .map_err(|source| cannot_write(&target, source))?;
+        state.temporaries.insert(temporary.path().to_owned());
+        let file = BufWriter::with_capacity(BUFFER_BYTES, Hashing::new(temporary));
+        Ok(OutputFile { staging: self, writer, name, cancel, file })
     }
 
-    fn take_name(&self, name: &str, id: &str) -> Result<(), FileError> {
-        let mut taken = lock(&self.taken);
-        // Names that differ in case only are one file on Windows and macOS.
-        let same = |(known, _): &&(String, String)| known.to_lowercase() == name.to_lowercase();
-        if let Some((_, other)) = taken.iter().find(same) {
-            return Err(FileError::Taken { name: name.to_owned(), other: other.clone() });
+    /// Puts the files of the nodes that `finished` into place; `None` if the run was abandoned.
+    pub(crate) fn publish(&self, finished: impl Fn(usize) -> bool) -> Option<Published> {
+        // Locked to the end: a program that is told to stop now still gets all files or none.
+        let state = &mut *self.state();
+        if state.abandoned {
+            return None;
         }
-        taken.push((name.to_owned(), id.to_owned()));
-        Ok(())
-    }
-
-    fn make_folder(&self) -> Result<(), FileError> {
-        let mut made = lock(&self.made_folder);
-        if !self.folder.exists() {
-            fs::create_dir_all(&self.folder)
-                .map_err(|source| cannot_write(&self.folder, source))?;
-            *made = true;
+        state.staged.retain(|staged| finished(staged.node));
+        state.staged.sort_by(|a, b| (a.node, &a.file.name).cmp(&(b.node, &b.file.name)));
+        let mut published = Published { files: Vec::new(), fault: None };
+        let mut targets = state.staged.iter().map(|staged| self.folder.join(&staged.file.name));
+        if let Some(folder) = targets.find(|target| target.is_dir()) {
+            let fault = io::Error::other("there is a folder of this name");
+            published.fault = Some(cannot_write(&folder, fault));
+            state.staged.clear();
         }
-        Ok(())
-    }
-
-    /// Puts the files of the nodes that `finished` into place, in the order of the nodes.
-    pub(crate) fn publish(
-        &self,
-        finished: impl Fn(usize) -> bool,
-    ) -> Result<Vec<(usize, WrittenFile)>, FileError> {
-        // Held to the end: a program that is told to stop now still gets all files or none.
-        let mut staged = lock(&self.staged);
-        staged.retain(|staged| finished(staged.node));
-        staged.sort_by(|a, b| (a.node, &a.file.name).cmp(&(b.node, &b.file.name)));
-        let mut published = Vec::new();
-        for Staged { node, temporary, file } in staged.drain(..) {
+        for Staged { node, temporary, file } in std::mem::take(&mut state.staged) {
             let target = self.folder.join(&file.name);
-            temporary.persist(&target).map_err(|fault| cannot_write(&target, fault.error))?;
-            published.push((node, file));
+            if let Err(fault) = temporary.persist(&target) {
+                published.fault = Some(cannot_write(&target, fault.error));
+                break;
+            }
+            published.files.push((node, file));
         }
-        self.forget_empty_folder();
-        Ok(published)
+        state.remove_made();
+        Some(published)
     }
 
     /// The files that node number `node` has finished.
     pub(crate) fn written_by(&self, node: usize) -> Vec<WrittenFile> {
-        let staged = lock(&self.staged);
-        staged.iter().filter(|staged| staged.node == node).map(|s| s.file.clone()).collect()
+        let state = self.state();
+        let own = state.staged.iter().filter(|staged| staged.node == node);
+        own.map(|staged| staged.file.clone()).collect()
     }
 
-    /// Removes all that is not in place yet; for a run that is broken off.
+    /// Removes all that is not in place yet, and lets nothing more be begun; for a run that is
+    /// broken off.
     pub(crate) fn abandon(&self) {
-        lock(&self.staged).clear();
-        for path in std::mem::take(&mut *lock(&self.temporaries)) {
+        let mut state = self.state();
+        state.abandoned = true;
+        state.staged.clear();
+        for path in std::mem::take(&mut state.temporaries) {
             // It may have gone its way already; there is nobody left to tell if it has not.
             let _ = fs::remove_file(path);
         }
-        self.forget_empty_folder();
+        state.remove_made();
+    }
+}
+
+impl State {
+    fn make(&mut self, folder: &Path) -> io::Result<()> {
+        let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let missing = folder.ancestors().take_while(is_missing).map(Path::to_owned);
+        let missing: Vec<PathBuf> = missing.collect();
+        if !missing.is_empty() {
+            fs::create_dir_all(folder)?;
+            self.made = missing;
+        }
+        Ok(())
     }
 
-    fn forget_empty_folder(&self) {
-        if *lock(&self.made_folder) {
+    /// Removes the folders that were made for files that never came.
+    fn remove_made(&mut self) {
+        for folder in std::mem::take(&mut self.made) {
             // Fails where the folder is not empty, which is just what is wanted.
-            let _ = fs::remove_dir(&self.folder);
+            let _ = fs::remove_dir(folder);
         }
     }
 }
@@ -165,12 +235,10 @@ fn temporary_file() -> tempfile::Builder<'static, 'static> {
 /// A file that a node is writing. It counts only once it is [finished](Self::finish).
 pub struct OutputFile<'a> {
     staging: &'a Staging,
-    node: usize,
+    writer: Writer,
     name: String,
     cancel: &'a CancelToken,
-    writer: BufWriter<NamedTempFile>,
-    hasher: blake3::Hasher,
-    bytes: u64,
+    file: BufWriter<Hashing<NamedTempFile>>,
 }
 
 impl OutputFile<'_> {
@@ -179,25 +247,40 @@ impl OutputFile<'_> {
     /// # Errors
     /// If the last bytes do not reach the disk.
     pub fn finish(self) -> Result<WrittenFile, FileError> {
-        let Self { staging, node, name, writer, hasher, bytes, .. } = self;
-        let target = staging.folder.join(&name);
-        let temporary = writer
-            .into_inner()
-            .map_err(io::IntoInnerError::into_error)
-            .and_then(|temporary| temporary.as_file().sync_all().map(|()| temporary))
-            .map_err(|source| cannot_write(&target, source))?;
+        let Self { staging, writer, name, cancel, file } = self;
+        let hashed = file.into_inner().map_err(io::IntoInnerError::into_error);
+        let hashed = hashed.and_then(|hashed| {
+            hashed.inner.as_file().sync_all()?;
+            Ok(hashed)
+        });
+        let Hashing { inner: temporary, hasher, bytes } =
+            hashed.map_err(|source| staging.error(&name, cancel, source))?;
         let file = WrittenFile { name, bytes, blake3: hasher.finalize().to_hex().to_string() };
-        lock(&staging.staged).push(Staged { node, temporary, file: file.clone() });
+        let mut state = staging.state();
+        match state.taken.get(&file.name.to_lowercase()) {
+            _ if state.abandoned => return Err(FileError::Cancelled),
+            Some(other) if *other != writer => {
+                return Err(FileError::Taken { name: file.name, other: other.id.clone() });
+            }
+            _ => {}
+        }
+        state.staged.push(Staged { node: writer.node, temporary, file: file.clone() });
         Ok(file)
     }
 
     /// What an error of writing to this file means for the node.
     #[must_use]
     pub fn error(&self, source: io::Error) -> FileError {
-        if self.cancel.is_cancelled() {
+        self.staging.error(&self.name, self.cancel, source)
+    }
+}
+
+impl Staging {
+    fn error(&self, name: &str, cancel: &CancelToken, source: io::Error) -> FileError {
+        if cancel.is_cancelled() {
             return FileError::Cancelled;
         }
-        cannot_write(&self.staging.folder.join(&self.name), source)
+        cannot_write(&self.folder.join(name), source)
     }
 }
 
@@ -206,13 +289,10 @@ impl Write for OutputFile<'_> {
         if self.cancel.is_cancelled() {
             return Err(io::Error::other("interrupted"));
         }
-        let count = self.writer.write(buffer)?;
-        self.hasher.update(&buffer[..count]);
-        self.bytes += count as u64;
-        Ok(count)
+        self.file.write(buffer)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
+        self.file.flush()
     }
 }

@@ -106,9 +106,12 @@ fn types() -> Vec<PortType> {
             reduction_facts,
             |_: &Reduction| size_of::<Reduction>(),
         ),
-        PortType::of("remark", "A choice that a node made by itself", remark_facts, |r: &Remark| {
-            r.text.len()
-        }),
+        PortType::of(
+            "remark",
+            "A choice that a node made by itself",
+            remark_facts,
+            |r: &Remark| r.text.len(),
+        ),
         PortType::of("toolpath", "A path of the cutter's tip", path_facts, |path: &Toolpath| {
             path.tips.len() * (24 + 32) + path.spans.len() * 24
         }),
@@ -125,10 +128,7 @@ fn bounds_facts(bounds: &Bounds) -> Facts {
 }
 
 fn cutter_facts(cutter: &Cutter) -> Facts {
-    facts([
-        ("shape", json!(cutter.name)),
-        ("diameter_mm", json!(2.0 * cutter.profile.radius_mm())),
-    ])
+    facts([("shape", json!(cutter.name)), ("diameter_mm", json!(2.0 * cutter.profile.radius_mm()))])
 }
 
 fn gcode_facts(code: &Gcode) -> Facts {

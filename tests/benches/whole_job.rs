@@ -38,7 +38,10 @@ const JOBS: [Job; 4] = [
 fn main() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("whole_job");
     fs::create_dir_all(&folder).expect("the folder for pictures");
-    println!("{:<14} {:<32} {:>7} {:>7} {:>9}  goal", "picture", "set", "best s", "median", "peak MB");
+    println!(
+        "{:<14} {:<32} {:>7} {:>7} {:>9}  goal",
+        "picture", "set", "best s", "median", "peak MB"
+    );
     for job in &JOBS {
         let picture = picture(&folder, job.picture);
         let mut reports: Vec<Json> = (0..job.runs).map(|_| run(&folder, &picture, job)).collect();

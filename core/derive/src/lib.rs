@@ -81,3 +81,221 @@ fn required_docs(attributes: &[Attribute], at: &impl quote::ToTokens) -> syn::Re
     }
     Ok(text)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use syn::parse_quote;
+
+    type Derive = fn(&DeriveInput) -> syn::Result<Tokens>;
+
+    /// Compares what is wrong with a definition; nothing is if `expected` is empty.
+    #[track_caller]
+    fn check(derive: Derive, input: DeriveInput, expected: &str) {
+        let fault = derive(&input).err().map(|fault| fault.to_string()).unwrap_or_default();
+        assert_eq!(fault, expected);
+    }
+
+    const NO_DOCS: &str = "a user reads this: give it a doc comment";
+
+    #[test]
+    fn params_need_docs_and_known_attributes() {
+        let derive = params::expand;
+        check(
+            derive,
+            parse_quote!(
+                #[doc = " D."]
+                struct A;
+            ),
+            "",
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A;
+            ),
+            NO_DOCS,
+        );
+        check(
+            derive,
+            parse_quote!(
+                #[doc = "  "]
+                struct A;
+            ),
+            NO_DOCS,
+        );
+        check(
+            derive,
+            parse_quote!(
+                #[doc = "D"]
+                struct A {
+                    a: f64,
+                }
+            ),
+            NO_DOCS,
+        );
+        check(
+            derive,
+            parse_quote!(
+                #[doc = "D"]
+                struct A(f64);
+            ),
+            "name the fields",
+        );
+        check(
+            derive,
+            parse_quote!(
+                #[doc = "D"]
+                enum A {}
+            ),
+            "only a struct can be derived so",
+        );
+        let field = |attribute: syn::Attribute, expected: &str| {
+            let input = parse_quote!(#[doc = "D"] struct A { #[doc = "D"] #attribute a: f64 });
+            check(derive, input, expected);
+        };
+        field(parse_quote!(#[param(default = 1.0, unit = "mm", range = -1.0..=2.0, odd)]), "");
+        field(parse_quote!(#[param(range = 0.1..)]), "");
+        field(parse_quote!(#[param(range = ..=2)]), "");
+        field(parse_quote!(#[other(whatever)]), "");
+        field(parse_quote!(#[param(range = 0.0..2.0)]), "write ..=, the last value is allowed");
+        let known = "unknown: default, unit, range, odd or catalog";
+        field(parse_quote!(#[param(units = "mm")]), known);
+    }
+
+    #[test]
+    fn choices_are_documented_words() {
+        let derive = choice::expand;
+        check(
+            derive,
+            parse_quote!(
+                enum A {
+                    #[doc = "D"]
+                    B,
+                    #[doc = "D"]
+                    C,
+                }
+            ),
+            "",
+        );
+        check(
+            derive,
+            parse_quote!(
+                enum A {
+                    B,
+                }
+            ),
+            NO_DOCS,
+        );
+        check(
+            derive,
+            parse_quote!(
+                enum A {
+                    #[doc = "D"]
+                    B(u8),
+                }
+            ),
+            "a choice has no fields",
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A;
+            ),
+            "a choice is an enum",
+        );
+    }
+
+    #[test]
+    fn inputs_are_borrowed_and_outputs_owned() {
+        let derive = ports::expand_inputs;
+        check(
+            derive,
+            parse_quote!(
+                struct A<'a> {
+                    #[doc = "D"]
+                    a: &'a T,
+                }
+            ),
+            "",
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A<'a> {
+                    #[doc = "D"]
+                    a: Option<&'a T>,
+                }
+            ),
+            "",
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A<'a> {
+                    a: &'a T,
+                }
+            ),
+            NO_DOCS,
+        );
+        let form = "an input is &'a T or Option<&'a T>";
+        check(
+            derive,
+            parse_quote!(
+                struct A<'a> {
+                    #[doc = "D"]
+                    a: T,
+                }
+            ),
+            form,
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A<'a> {
+                    #[doc = "D"]
+                    a: Option<T>,
+                }
+            ),
+            form,
+        );
+        check(
+            derive,
+            parse_quote!(
+                struct A {}
+            ),
+            "inputs are borrowed: add a lifetime",
+        );
+        check(
+            ports::expand_outputs,
+            parse_quote!(
+                struct A {
+                    #[doc = "D"]
+                    a: T,
+                }
+            ),
+            "",
+        );
+        check(
+            ports::expand_outputs,
+            parse_quote!(
+                struct A {
+                    a: T,
+                }
+            ),
+            NO_DOCS,
+        );
+    }
+
+    #[test]
+    fn docs_are_one_paragraph() {
+        let input: DeriveInput = parse_quote!(
+            /// One
+            ///   two.
+            ///
+            /// Three.
+            struct A;
+        );
+        assert_eq!(docs(&input.attrs), "One two.  Three.");
+    }
+}

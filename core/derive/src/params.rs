@@ -2,6 +2,7 @@
 
 use crate::{Tokens, named_fields, required_docs};
 use quote::quote;
+use syn::ext::IdentExt;
 use syn::{DeriveInput, Expr, ExprLit, ExprRange, Field, Lit, LitStr, RangeLimits};
 
 /// What `#[param(…)]` says.
@@ -38,7 +39,7 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
 }
 
 fn key(field: &Field) -> String {
-    field.ident.as_ref().map(ToString::to_string).unwrap_or_default()
+    field.ident.as_ref().map(|name| name.unraw().to_string()).unwrap_or_default()
 }
 
 fn spec(field: &Field) -> syn::Result<Tokens> {

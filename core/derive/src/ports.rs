@@ -2,6 +2,7 @@
 
 use crate::{Tokens, named_fields, required_docs};
 use quote::quote;
+use syn::ext::IdentExt;
 use syn::{DeriveInput, Field, GenericArgument, PathArguments, Type};
 
 pub(crate) fn expand_inputs(input: &DeriveInput) -> syn::Result<Tokens> {
@@ -37,8 +38,10 @@ pub(crate) fn expand_inputs(input: &DeriveInput) -> syn::Result<Tokens> {
 pub(crate) fn expand_outputs(input: &DeriveInput) -> syn::Result<Tokens> {
     let name = &input.ident;
     let fields = named_fields(input)?;
-    let specs =
-        fields.iter().map(|field| spec(field, &field.ty, false)).collect::<syn::Result<Vec<_>>>()?;
+    let specs = fields
+        .iter()
+        .map(|field| spec(field, &field.ty, false))
+        .collect::<syn::Result<Vec<_>>>()?;
     let idents = fields.iter().map(|field| &field.ident);
     Ok(quote! {
         impl ::carvegraph_core::Outputs for #name {
@@ -53,7 +56,7 @@ pub(crate) fn expand_outputs(input: &DeriveInput) -> syn::Result<Tokens> {
 }
 
 fn key(field: &Field) -> String {
-    field.ident.as_ref().map(ToString::to_string).unwrap_or_default()
+    field.ident.as_ref().map(|name| name.unraw().to_string()).unwrap_or_default()
 }
 
 fn spec(field: &Field, ty: &Type, optional: bool) -> syn::Result<Tokens> {

@@ -7,21 +7,23 @@
 
 mod disk;
 mod memory;
+mod parts;
 
 pub use disk::DiskCache;
 pub use memory::MemoryCache;
 
-use crate::cancel::CancelToken;
+pub(crate) use parts::{Dependencies, input_part};
+
 use crate::context::Note;
-use crate::files::FileError;
-use crate::graph::Graph;
-use crate::param::{ParamKind, ParamValue};
 use crate::port::{PortType, Value};
 use crate::report::PortReport;
 use crate::staging::WrittenFile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
+
+/// Nothing is made faster than this, as far as clocks tell.
+const LEAST_WALL_S: f64 = 1e-6;
 
 /// Why the cache could not keep or find something. A run goes on without it.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +34,9 @@ pub enum CacheError {
     /// A value is not of the type that its port says.
     #[error("a value is not of type {0}")]
     WrongType(&'static str),
+    /// The disk refuses.
+    #[error("cannot write to the cache: {0}")]
+    Write(#[from] io::Error),
     /// The folder cannot be made or read.
     #[error("cannot use the cache folder {folder}: {source}")]
     Folder {
@@ -93,59 +98,4 @@ pub trait Cache: Send + Sync {
     fn last_run(&self, recipe: &str) -> Option<BTreeMap<String, Parts>>;
     /// Keeps that for the next time.
     fn remember_run(&self, recipe: &str, nodes: &BTreeMap<String, Parts>);
-}
-
-/// The part that an input port contributes.
-pub(crate) fn input_part(port: &str) -> String {
-    format!("input {port}")
-}
-
-/// What each node depends on, by node number. A file that is read by several nodes is hashed once.
-///
-/// # Errors
-/// If a file cannot be read.
-pub(crate) fn all_parts(
-    graph: &Graph,
-    cancel: &CancelToken,
-) -> Result<Vec<(Key, Parts)>, FileError> {
-    let mut hashes: Vec<(&crate::files::InputFile, String)> = Vec::new();
-    let mut all: Vec<Option<(Key, Parts)>> = vec![None; graph.nodes.len()];
-    for at in graph.in_order() {
-        let node = &graph.nodes[at];
-        let kind = graph.kind(node);
-        let mut parts = Parts::new();
-        parts.insert("node kind".into(), format!("{} version {}", kind.name, kind.version));
-        parts.insert("program".into(), env!("CARGO_PKG_VERSION").into());
-        for (name, value) in node.values.iter() {
-            let state = match value {
-                ParamValue::File(file) => match hashes.iter().find(|(known, _)| *known == file) {
-                    Some((_, hash)) => hash.clone(),
-                    None => {
-                        let hash = graph.files.hash(file, cancel)?.to_hex().to_string();
-                        hashes.push((file, hash.clone()));
-                        hash
-                    }
-                },
-                other => other.to_string(),
-            };
-            let what = if matches!(value, ParamValue::File(_)) { "contents of" } else { "parameter" };
-            parts.insert(format!("{what} {name}"), state);
-            if let Some(ParamKind::Catalog(catalog)) = kind.param(name).map(|spec| &spec.kind) {
-                let version = graph.catalogs().version(catalog, value.text()).unwrap_or_default();
-                parts.insert(format!("version of {catalog} {}", value.text()), version.into());
-            }
-        }
-        if node.writes_files() {
-            parts.insert("name of the output".into(), node.prefix.clone());
-        }
-        for (spec, wire) in kind.inputs.iter().zip(&node.inputs) {
-            let state = wire.and_then(|wire| {
-                let (key, _) = all[wire.node].as_ref()?;
-                Some(format!("{} output {}", key.as_str(), wire.port))
-            });
-            parts.insert(input_part(spec.name), state.unwrap_or_else(|| "open".into()));
-        }
-        all[at] = Some((Key::of(&parts), parts));
-    }
-    Ok(all.into_iter().flatten().collect())
 }

@@ -1,34 +1,29 @@
-//! Inner recipes laid out flat, and each thing that is set brought to the node that it sets.
+//! Inner recipes laid out flat.
+//!
+//! A recipe is untrusted, and recipes inside recipes multiply: a few kilobytes can ask for 2¹⁶
+//! copies. So nodes and text are counted before a copy is laid out, a recipe is read once however
+//! often it is used, and one with faults is laid out once, to name them. With the rule that nothing
+//! is driven by two names (see [`recipe`](crate::recipe)) all work is linear in the text laid out.
 
-use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
+use super::wire::{self, Port};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::files::Origin;
 use crate::library::Library;
 use crate::param::Given;
-use crate::recipe::{Alias, MAX_DEPTH, MAX_NODES, Name, Recipe, RecipeNode};
+use crate::recipe::{MAX_DEPTH, MAX_LAID_OUT_BYTES, MAX_NODES, Name, Recipe, RecipeNode};
 use crate::registry::Registry;
 use crate::ron::Value;
-use crate::source::{Source, Span};
+use crate::source::Span;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// The kind that stands for another recipe, and its parameter that names it.
-pub(super) const RECIPE_KIND: &str = "recipe";
-pub(super) const RECIPE_PARAM: &str = "recipe";
-
-/// Something set from outside the recipe, as `--set name=value` does.
-#[derive(Clone, Debug)]
-pub struct Setting {
-    /// A knob of the recipe, or `node.field`.
-    pub name: String,
-    /// Its value as it was typed.
-    pub value: String,
-    /// Where relative paths in it start.
-    pub origin: Origin,
-}
+pub(crate) const RECIPE_KIND: &str = "recipe";
+const RECIPE_PARAM: &str = "recipe";
 
 /// What a field is set to.
 #[derive(Clone, Debug)]
-enum Content {
+pub(super) enum Content {
     Literal(Value),
     Word(String),
 }
@@ -36,18 +31,29 @@ enum Content {
 /// What a field is set to, and by what.
 #[derive(Clone, Debug)]
 pub(super) struct Assigned {
-    content: Content,
+    pub(super) content: Content,
     pub(super) span: Span,
     pub(super) origin: Origin,
 }
 
 impl Assigned {
+    fn literal(value: &Value, origin: &Origin) -> Self {
+        let (content, span) = (Content::Literal(value.clone()), value.span.clone());
+        Self { content, span, origin: origin.clone() }
+    }
+
     pub(super) fn given(&self) -> Given<'_> {
         match &self.content {
             Content::Literal(value) => Given::Literal(value),
             Content::Word(word) => Given::Word(word),
         }
     }
+}
+
+/// What an input is fed from: a name, and the scope in which it is to be looked up.
+pub(super) struct Feed {
+    pub(super) source: Name,
+    pub(super) scope: usize,
 }
 
 /// A node of the flat graph, not yet checked.
@@ -57,13 +63,12 @@ pub(super) struct FlatNode {
     /// Index into the registry's kinds; `None` where the kind is unknown, which was complained of.
     pub(super) kind: Option<usize>,
     pub(super) set: BTreeMap<String, Assigned>,
-    /// Input port, where from, and the scope in which that is to be looked up.
-    pub(super) from: Vec<(Name, Name, usize)>,
+    pub(super) from: BTreeMap<String, Feed>,
 }
 
 impl FlatNode {
     pub(super) fn fault(&self, message: String) -> Diagnostic {
-        Diagnostic::error(message).at(self.span.clone()).node(&self.id)
+        Diagnostic::error(message).at(self.span.clone())
     }
 }
 
@@ -72,327 +77,235 @@ impl FlatNode {
 pub(super) enum Member {
     Node(usize),
     Recipe(usize),
+    /// An inner recipe that was complained of; nothing more is said about it.
+    Broken,
 }
 
 /// One recipe, outer or inner, and its names.
 pub(super) struct Scope {
+    pub(super) recipe: Rc<Recipe>,
     pub(super) members: HashMap<String, Member>,
-    pub(super) outputs: Vec<Name>,
-    params: Vec<Alias>,
-    inputs: Vec<Alias>,
+    /// Its outputs, which are its ports where it serves as a node.
+    pub(super) ports: Vec<Port>,
 }
 
 /// All nodes of a recipe and of those inside it. Scope 0 is the outermost.
+#[derive(Default)]
 pub(super) struct Flattened {
     pub(super) nodes: Vec<FlatNode>,
     pub(super) scopes: Vec<Scope>,
 }
 
-struct Flattener<'a> {
-    registry: &'a Registry,
+pub(super) struct Flattener<'a> {
+    pub(super) registry: &'a Registry,
     library: &'a Library,
-    faults: &'a mut Diagnostics,
-    flat: Flattened,
+    pub(super) faults: &'a mut Diagnostics,
+    pub(super) flat: Flattened,
+    /// The recipes read so far, by where and under what name they were looked for; `None` for those
+    /// that were complained of.
+    opened: HashMap<(Origin, String), Option<Rc<Recipe>>>,
+    /// The recipes being laid out, outermost first.
+    open: Vec<Rc<Recipe>>,
+    nodes: usize,
+    bytes: usize,
+    /// Whether a limit was reached, of which enough was said.
+    full: bool,
 }
 
-pub(super) fn flatten(
-    recipe: &Recipe,
-    settings: &[Setting],
-    registry: &Registry,
-    library: &Library,
-    faults: &mut Diagnostics,
-) -> Flattened {
-    let flat = Flattened { nodes: Vec::new(), scopes: Vec::new() };
-    let mut flattener = Flattener { registry, library, faults, flat };
-    let outer = flattener.lay_out(recipe, "", 0);
-    for setting in settings {
-        flattener.apply(outer, setting);
+impl<'a> Flattener<'a> {
+    /// Lays out a recipe.
+    pub(super) fn new(
+        recipe: &Recipe,
+        registry: &'a Registry,
+        library: &'a Library,
+        faults: &'a mut Diagnostics,
+    ) -> Self {
+        let mut flattener = Self {
+            registry,
+            library,
+            faults,
+            flat: Flattened::default(),
+            opened: HashMap::new(),
+            open: Vec::new(),
+            nodes: recipe.nodes.len(),
+            bytes: recipe.source.text().len(),
+            full: false,
+        };
+        flattener.lay_out(&Rc::new(recipe.clone()), "");
+        flattener
     }
-    flattener.flat
-}
 
-impl Flattener<'_> {
-    fn fault(&mut self, span: &Span, message: String) {
+    pub(super) fn fault(&mut self, span: &Span, message: String) {
         self.faults.push(Diagnostic::error(message).at(span.clone()));
     }
 
-    fn fault_near<'n>(
-        &mut self,
-        span: &Span,
-        message: String,
-        word: &str,
-        names: impl IntoIterator<Item = &'n str> + Clone,
-    ) {
-        let fault = Diagnostic::error(message).at(span.clone());
-        let help = match did_you_mean(word, names.clone()) {
-            Some(near) => format!("did you mean {near:?}?"),
-            None => {
-                let mut names: Vec<&str> = names.into_iter().collect();
-                names.sort_unstable();
-                names.truncate(40);
-                format!("there is {}", if names.is_empty() { "none".into() } else { names.join(", ") })
-            }
-        };
-        self.faults.push(fault.help(help));
-    }
-
     /// Adds a recipe's nodes; `prefix` goes before their names. Returns its scope.
-    fn lay_out(&mut self, recipe: &Recipe, prefix: &str, depth: usize) -> usize {
+    fn lay_out(&mut self, recipe: &Rc<Recipe>, prefix: &str) -> usize {
         let scope = self.flat.scopes.len();
-        self.flat.scopes.push(Scope {
-            members: HashMap::new(),
-            outputs: recipe.outputs.clone(),
-            params: recipe.params.clone(),
-            inputs: recipe.inputs.clone(),
-        });
+        let (members, ports) = (HashMap::with_capacity(recipe.nodes.len()), Vec::new());
+        self.flat.scopes.push(Scope { recipe: Rc::clone(recipe), members, ports });
+        self.open.push(Rc::clone(recipe));
         for node in &recipe.nodes {
             let member = if node.kind.text == RECIPE_KIND {
-                self.inner_recipe(recipe, node, prefix, depth, scope).map(Member::Recipe)
+                self.inner_recipe(recipe, node, prefix, scope).unwrap_or(Member::Broken)
             } else {
-                Some(Member::Node(self.node(recipe, node, prefix, scope)))
+                Member::Node(self.node(recipe, node, prefix, scope))
             };
-            if let Some(member) = member {
-                self.flat.scopes[scope].members.insert(node.id.text.clone(), member);
-            }
+            self.flat.scopes[scope].members.insert(node.id.text.clone(), member);
         }
-        for alias in &recipe.params {
-            for target in &alias.targets {
-                self.check_target(scope, alias, target);
-            }
+        self.open.pop();
+        for target in recipe.params.iter().flat_map(|alias| &alias.targets) {
+            self.check_param(scope, target);
         }
-        if self.flat.nodes.len() > MAX_NODES {
-            let count = self.flat.nodes.len();
-            let message = format!(
-                "with its inner recipes this has {count} nodes or more; the limit is {MAX_NODES}"
-            );
-            self.faults.push(Diagnostic::error(message));
-            // What is over the limit is left out, so that nothing grows with it.
-            self.flat.nodes.truncate(MAX_NODES);
+        for target in recipe.inputs.iter().flat_map(|alias| &alias.targets) {
+            self.check_input(scope, target);
         }
+        let ports = wire::ports(&self.flat, self.registry, scope, self.faults);
+        self.flat.scopes[scope].ports = ports;
         scope
     }
 
     fn node(&mut self, recipe: &Recipe, node: &RecipeNode, prefix: &str, scope: usize) -> usize {
         let kinds = self.registry.kinds();
-        let kind = kinds.iter().position(|kind| kind.name == node.kind.text);
-        if kind.is_none() {
-            let message = format!("there is no kind of node called {:?}", node.kind.text);
-            let names = kinds.iter().map(|kind| kind.name).chain([RECIPE_KIND]);
-            self.fault_near(&node.kind.span, message, &node.kind.text, names);
-        }
-        let set = node.set.iter().map(|(name, value)| {
-            let (span, origin) = (value.span.clone(), recipe.origin.clone());
-            let content = Content::Literal(value.clone());
-            (name.text.clone(), Assigned { content, span, origin })
-        });
-        let set = set.collect();
-        let from = node.from.iter().map(|(port, source)| (port.clone(), source.clone(), scope));
-        let from = from.collect();
-        let (id, span) = (format!("{prefix}{}", node.id.text), node.id.span.clone());
-        if let Some(kind) = kind {
-            for (name, _) in &node.set {
-                self.check_field(kind, &node.id.text, &name.text, &name.span);
+        let kind = kinds.binary_search_by(|kind| kind.name.cmp(&node.kind.text)).ok();
+        match kind {
+            None => {
+                let message = format!("there is no kind of node called {:?}", node.kind.text);
+                let fault = Diagnostic::error(message).at(node.kind.span.clone());
+                let names = kinds.iter().map(|kind| kind.name).chain([RECIPE_KIND]);
+                self.faults.push_near(fault, &node.kind.text, names);
+            }
+            Some(kind) => {
+                for (name, _) in &node.set {
+                    self.check_field(kind, &node.id.text, &name.text, &name.span);
+                }
+                for (port, _) in &node.from {
+                    self.check_port(kind, &node.id.text, &port.text, &port.span);
+                }
             }
         }
-        self.flat.nodes.push(FlatNode { id, span, kind, set, from });
+        let set = node
+            .set
+            .iter()
+            .map(|(name, value)| (name.text.clone(), Assigned::literal(value, &recipe.origin)));
+        let from = node
+            .from
+            .iter()
+            .map(|(port, source)| (port.text.clone(), Feed { source: source.clone(), scope }));
+        let (id, span) = (format!("{prefix}{}", node.id.text), node.id.span.clone());
+        let node = FlatNode { id, span, kind, set: set.collect(), from: from.collect() };
+        self.flat.nodes.push(node);
         self.flat.nodes.len() - 1
     }
 
-    fn check_field(&mut self, kind: usize, node: &str, field: &str, span: &Span) -> bool {
+    /// Whether a kind has a parameter; complains if not.
+    pub(super) fn check_field(&mut self, kind: usize, id: &str, field: &str, span: &Span) -> bool {
         let kind = &self.registry.kinds()[kind];
         if kind.param(field).is_some() {
             return true;
         }
-        let message = format!("node {node:?} ({}) has no parameter {field:?}", kind.name);
-        let names: Vec<&str> = kind.params.iter().map(|param| param.name).collect();
-        self.fault_near(span, message, field, names);
+        let message = format!("node {id:?} ({}) has no parameter {field:?}", kind.name);
+        let fault = Diagnostic::error(message).at(span.clone());
+        self.faults.push_near(fault, field, kind.params.iter().map(|param| param.name));
         false
     }
 
+    /// Complains if a kind lacks an input.
+    pub(super) fn check_port(&mut self, kind: usize, id: &str, port: &str, span: &Span) {
+        let kind = &self.registry.kinds()[kind];
+        if kind.inputs.iter().any(|spec| spec.name == port) {
+            return;
+        }
+        let message = format!("node {id:?} ({}) has no input {port:?}", kind.name);
+        let fault = Diagnostic::error(message).at(span.clone());
+        self.faults.push_near(fault, port, kind.inputs.iter().map(|spec| spec.name));
+    }
+
+    /// Lays out the recipe that a node stands for. `None` where there was something to complain of.
     fn inner_recipe(
         &mut self,
         outer: &Recipe,
         node: &RecipeNode,
         prefix: &str,
-        depth: usize,
         scope: usize,
-    ) -> Option<usize> {
-        let path = node.set.iter().find(|(name, _)| name.text == RECIPE_PARAM);
-        let Some((_, path)) = path else {
-            let message = format!(
-                "node {:?} does not say which recipe: set: {{ {RECIPE_PARAM:?}: \"name.ron\" }}",
-                node.id.text
-            );
-            self.fault(&node.id.span, message);
+    ) -> Option<Member> {
+        let Some((_, path)) = node.set.iter().find(|(name, _)| name.text == RECIPE_PARAM) else {
+            let message =
+                format!("node {:?} does not say which recipe it stands for", node.id.text);
+            let help = format!("add set: {{ {RECIPE_PARAM:?}: \"name.ron\" }}");
+            self.faults.push(Diagnostic::error(message).at(node.id.span.clone()).help(help));
             return None;
         };
         let reference = path.as_text(RECIPE_PARAM).map_err(|fault| self.faults.push(fault)).ok()?;
-        if depth >= MAX_DEPTH {
-            let message = format!("recipes are nested deeper than {MAX_DEPTH}: does one use itself?");
-            self.fault(&path.span, message);
+        let recipe = self.open(outer, reference, &path.span)?;
+        if !self.has_room_for(&recipe, &path.span) {
             return None;
         }
-        let recipe = match self.library.open(reference, &outer.origin) {
-            Ok(recipe) => recipe,
-            Err(faults) => {
-                for mut fault in faults.0 {
-                    fault.span.get_or_insert_with(|| path.span.clone());
-                    self.faults.push(fault);
-                }
-                return None;
-            }
-        };
-        if self.flat.nodes.len() + recipe.nodes.len() > MAX_NODES {
-            let message = format!("with this recipe there are more than {MAX_NODES} nodes");
-            self.fault(&path.span, message);
+        let faults = self.faults.len();
+        let inner = self.lay_out(&recipe, &format!("{prefix}{}/", node.id.text));
+        if self.faults.len() > faults {
+            self.opened.insert((outer.origin.clone(), reference.to_owned()), None);
             return None;
         }
-        let inner = self.lay_out(&recipe, &format!("{prefix}{}/", node.id.text), depth + 1);
-        self.feed_inputs(inner, node, scope);
+        for (port, source) in &node.from {
+            let feed = || Feed { source: source.clone(), scope };
+            self.feed(inner, &node.id.text, port, &feed);
+        }
         for (name, value) in node.set.iter().filter(|(name, _)| name.text != RECIPE_PARAM) {
-            let (span, origin) = (value.span.clone(), outer.origin.clone());
-            let assigned = Assigned { content: Content::Literal(value.clone()), span, origin };
+            let assigned = Assigned::literal(value, &outer.origin);
             self.assign_param(inner, &node.id.text, name, &assigned);
         }
-        Some(inner)
+        Some(Member::Recipe(inner))
     }
 
-    /// Ties what the outer recipe wires to an inner one to the nodes behind its inputs.
-    fn feed_inputs(&mut self, inner: usize, node: &RecipeNode, scope: usize) {
-        for (port, source) in &node.from {
-            let inputs = &self.flat.scopes[inner].inputs;
-            let Some(input) = inputs.iter().find(|input| input.name.text == port.text).cloned()
-            else {
-                let names: Vec<String> = inputs.iter().map(|i| i.name.text.clone()).collect();
-                let message = format!("recipe {:?} has no input {:?}", node.id.text, port.text);
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                self.fault_near(&port.span, message, &port.text, names);
-                continue;
-            };
-            for target in &input.targets {
-                match self.resolve(inner, target) {
-                    Some((Member::Node(at), field)) => {
-                        let port = Name { text: field, span: target.span.clone() };
-                        self.flat.nodes[at].from.push((port, source.clone(), scope));
-                    }
-                    Some((Member::Recipe(_), _)) => {
-                        let message = "an input must feed a node, not a recipe".to_owned();
-                        self.fault(&target.span, message);
-                    }
-                    None => {}
+    /// Reads a recipe, if that was not done already.
+    fn open(&mut self, outer: &Recipe, reference: &str, span: &Span) -> Option<Rc<Recipe>> {
+        let key = (outer.origin.clone(), reference.to_owned());
+        if let Some(known) = self.opened.get(&key) {
+            return known.clone();
+        }
+        let opened = match self.library.open(reference, &outer.origin) {
+            Ok(recipe) => Some(Rc::new(recipe)),
+            Err(faults) => {
+                for mut fault in faults.0 {
+                    fault.span.get_or_insert_with(|| span.clone());
+                    self.faults.push(fault);
                 }
+                None
             }
-        }
-    }
-
-    /// The member and field that `node.field` names.
-    fn resolve(&mut self, scope: usize, target: &Name) -> Option<(Member, String)> {
-        let Some((id, field)) = target.text.split_once('.') else {
-            let message = format!("{:?} does not name a field: write node.field", target.text);
-            self.fault(&target.span, message);
-            return None;
         };
-        let members = &self.flat.scopes[scope].members;
-        let Some(member) = members.get(id).copied() else {
-            let names: Vec<String> = members.keys().cloned().collect();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            self.fault_near(&target.span, format!("there is no node {id:?}"), id, names);
-            return None;
+        self.opened.insert(key, opened.clone());
+        opened
+    }
+
+    /// Counts a recipe that is about to be laid out; complains if that leads nowhere.
+    fn has_room_for(&mut self, recipe: &Recipe, span: &Span) -> bool {
+        let is_same = |outer: &Rc<Recipe>| {
+            outer.origin == recipe.origin && outer.source.text() == recipe.source.text()
         };
-        Some((member, field.to_owned()))
-    }
-
-    fn check_target(&mut self, scope: usize, alias: &Alias, target: &Name) {
-        match self.resolve(scope, target) {
-            Some((Member::Node(at), field)) => {
-                if let Some(kind) = self.flat.nodes[at].kind {
-                    let id = self.flat.nodes[at].id.clone();
-                    self.check_field(kind, &id, &field, &target.span);
-                }
-            }
-            Some((Member::Recipe(inner), field)) => {
-                self.inner_param(inner, &alias.name.text, &field, &target.span);
-            }
-            None => {}
+        if let Some(start) = self.open.iter().position(is_same) {
+            let names = self.open[start..].iter().map(|recipe| recipe.name.as_str());
+            let names: Vec<&str> = names.chain([recipe.name.as_str()]).collect();
+            let message = format!("these recipes use each other in a loop: {}", names.join(" -> "));
+            self.fault(span, message);
+            return false;
         }
-    }
-
-    fn inner_param(&mut self, inner: usize, id: &str, name: &str, span: &Span) -> Option<Alias> {
-        let params = &self.flat.scopes[inner].params;
-        if let Some(alias) = params.iter().find(|alias| alias.name.text == name) {
-            return Some(alias.clone());
+        if self.open.len() > MAX_DEPTH {
+            self.fault(span, format!("recipes are nested deeper than {MAX_DEPTH}"));
+            return false;
         }
-        let names: Vec<String> = params.iter().map(|alias| alias.name.text.clone()).collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        self.fault_near(span, format!("recipe {id:?} has no parameter {name:?}"), name, names);
-        None
-    }
-
-    /// Sets a knob of a recipe: all that it drives.
-    fn assign_param(&mut self, scope: usize, id: &str, name: &Name, assigned: &Assigned) {
-        let Some(alias) = self.inner_param(scope, id, &name.text, &name.span) else { return };
-        for target in &alias.targets {
-            self.assign(scope, target, assigned);
-        }
-    }
-
-    /// Sets what `target` names in a scope.
-    fn assign(&mut self, scope: usize, target: &Name, assigned: &Assigned) {
-        match self.resolve(scope, target) {
-            Some((Member::Node(at), field)) => {
-                self.flat.nodes[at].set.insert(field, assigned.clone());
-            }
-            Some((Member::Recipe(inner), field)) => {
-                let id = target.text.clone();
-                let name = Name { text: field, span: target.span.clone() };
-                self.assign_param(inner, &id, &name, assigned);
-            }
-            None => {}
-        }
-    }
-
-    /// Applies `--set name=value` to the outermost recipe.
-    fn apply(&mut self, outer: usize, setting: &Setting) {
-        let text = format!("{}={}", setting.name, setting.value);
-        let source = Arc::new(Source::new("--set", text));
-        let name_end = setting.name.len();
-        let name = Name { text: setting.name.clone(), span: source.span(0..name_end) };
-        let span = source.span(name_end + 1..source.text().len());
-        let content = Content::Word(setting.value.clone());
-        let assigned = Assigned { content, span, origin: setting.origin.clone() };
-        let scope = &self.flat.scopes[outer];
-        let alias = scope.params.iter().find(|alias| alias.name.text == name.text).cloned();
-        if let Some(alias) = alias {
-            for target in &alias.targets {
-                self.assign(outer, target, &assigned);
-            }
-            return;
-        }
-        match name.text.split_once('.') {
-            Some((id, field)) => self.apply_to_node(id, field, &name, assigned),
-            None => {
-                let names: Vec<String> =
-                    scope.params.iter().map(|alias| alias.name.text.clone()).collect();
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                let message = format!("the recipe has no parameter {:?}", name.text);
-                self.fault_near(&name.span, message, &name.text, names);
-            }
-        }
-    }
-
-    fn apply_to_node(&mut self, id: &str, field: &str, name: &Name, assigned: Assigned) {
-        let Some(at) = self.flat.nodes.iter().position(|node| node.id == id) else {
-            let names: Vec<String> = self.flat.nodes.iter().map(|node| node.id.clone()).collect();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            self.fault_near(&name.span, format!("there is no node {id:?}"), id, names);
-            return;
+        self.nodes += recipe.nodes.len();
+        self.bytes += recipe.source.text().len();
+        let message = if self.nodes > MAX_NODES {
+            format!("with its inner recipes the recipe has more than {MAX_NODES} nodes")
+        } else if self.bytes > MAX_LAID_OUT_BYTES {
+            format!("with its inner recipes the recipe has more than {MAX_LAID_OUT_BYTES} bytes")
+        } else {
+            return true;
         };
-        let known = match self.flat.nodes[at].kind {
-            Some(kind) => self.check_field(kind, id, field, &name.span),
-            None => false,
-        };
-        if known {
-            self.flat.nodes[at].set.insert(field.to_owned(), assigned);
+        if !std::mem::replace(&mut self.full, true) {
+            self.fault(span, message);
         }
+        false
     }
 }

@@ -3,25 +3,29 @@
 //! [`Graph::build`] finds everything that can be wrong before anything runs, and says all of it at
 //! once. What it returns can be planned and run.
 
+mod assign;
 mod flatten;
 mod settle;
 mod wire;
 
 use crate::catalog::Catalogs;
 use crate::diagnostic::Diagnostics;
-use crate::files::{Files, InputFile};
+use crate::files::{Files, InputFile, harmless_stem};
 use crate::library::Library;
 use crate::node::{AnyNode, NodeKind};
 use crate::param::{ParamValue, ParamValues};
 use crate::recipe::Recipe;
 use crate::registry::Registry;
-use flatten::Flattened;
+use flatten::{Flattened, Flattener};
 use petgraph::graph::{DiGraph, NodeIndex};
+use settle::Settled;
+use std::path::Path;
 
-pub use flatten::Setting;
+pub use assign::Setting;
+pub(crate) use flatten::RECIPE_KIND;
 
 /// Where an input's value comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Wire {
     /// The node, as an index into [`Graph::nodes`].
     pub node: usize,
@@ -47,10 +51,10 @@ pub struct GraphNode {
 }
 
 impl GraphNode {
-    /// The files it reads, each with the parameter that names it.
-    pub fn files(&self) -> impl Iterator<Item = (&'static str, &InputFile)> {
-        self.values.iter().filter_map(|(name, value)| match value {
-            ParamValue::File(file) => Some((name, file)),
+    /// The files it reads.
+    pub fn files(&self) -> impl Iterator<Item = &InputFile> {
+        self.values.iter().filter_map(|(_, value)| match value {
+            ParamValue::File(file) => Some(file),
             _ => None,
         })
     }
@@ -89,26 +93,41 @@ impl Graph {
     ) -> Result<Self, Diagnostics> {
         let files = Files { assets: library.assets };
         let mut faults = Diagnostics::default();
-        let flat = flatten::flatten(recipe, settings, registry, library, &mut faults);
+        let mut flattener = Flattener::new(recipe, registry, library, &mut faults);
+        settings.iter().for_each(|setting| flattener.apply(setting));
+        let flat = flattener.flat;
         let wires = wire::tie(&flat, registry, &mut faults);
         let settled = settle::settle(&flat, registry, files, &mut faults);
-        let wanted = wire::wanted(&flat, recipe, &mut faults);
         let order = wire::order(&flat, &wires, &mut faults);
-        if faults.has_errors() {
-            return Err(faults);
-        }
-        let mut nodes: Vec<GraphNode> = Vec::with_capacity(flat.nodes.len());
-        for ((declared, inputs), settled) in flat.nodes.iter().zip(wires).zip(settled) {
-            let (Some(kind), Some((values, node))) = (declared.kind, settled) else { continue };
-            let idle = node.idle();
-            let (id, prefix) = (declared.id.clone(), String::new());
-            nodes.push(GraphNode { id, kind, values, inputs, idle, prefix, node });
-        }
-        let mut graph =
-            Self { recipe: recipe.name.clone(), nodes, wanted, order, registry: registry.clone(), files };
+        let (Some(settled), false) = (settled, faults.has_errors()) else { return Err(faults) };
+        let nodes = flat.nodes.iter().zip(wires).zip(settled).map(|((node, inputs), settled)| {
+            let idle = settled.node.idle();
+            let Settled { kind, values, node: made } = settled;
+            let (id, prefix) = (node.id.clone(), String::new());
+            GraphNode { id, kind, values, inputs, idle, prefix, node: made }
+        });
+        let mut wanted: Vec<usize> =
+            flat.scopes[0].ports.iter().flat_map(|port| &port.nodes).copied().collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let mut graph = Self {
+            recipe: recipe.name.clone(),
+            nodes: nodes.collect(),
+            wanted,
+            order,
+            registry: registry.clone(),
+            files,
+        };
         graph.rest_idle(&flat, &mut faults);
         graph.name_outputs();
         if faults.has_errors() { Err(faults) } else { Ok(graph) }
+    }
+
+    /// Whether what a node makes depends on its prefix.
+    pub(crate) fn uses_prefix(&self, node: &GraphNode) -> bool {
+        let is_used =
+            |value: &ParamValue| matches!(value, ParamValue::Output(name) if name.uses_prefix());
+        self.kind(node).uses_prefix || node.values.iter().any(|(_, value)| is_used(value))
     }
 
     /// The definition of a node's kind.
@@ -152,19 +171,23 @@ impl Graph {
         }
     }
 
-    /// Names each node's output files after the first file that it, or a node before it, reads.
+    /// Names each node's output files after the first file that it, or a node before it, reads, and
+    /// after the recipe if there is none.
     fn name_outputs(&mut self) {
         for at in self.order.clone() {
             let node = &self.nodes[at];
-            let own = node.files().next().map(|(_, file)| file.stem());
+            let mut params = self.kind(node).params.iter();
+            let own = params.find_map(|param| match node.values.get(param.name) {
+                ParamValue::File(file) => Some(file.stem()),
+                _ => None,
+            });
             let mut before = node.inputs.iter().flatten().map(|wire| &self.nodes[wire.node].prefix);
-            let inherited = before.find(|prefix| !prefix.is_empty()).cloned();
-            self.nodes[at].prefix = own.or(inherited).unwrap_or_default();
+            let inherited = || before.find(|prefix| !prefix.is_empty()).cloned();
+            self.nodes[at].prefix = own.or_else(inherited).unwrap_or_default();
         }
-        for node in &mut self.nodes {
-            if node.prefix.is_empty() {
-                node.prefix.clone_from(&self.recipe);
-            }
+        let recipe = harmless_stem(Path::new(&self.recipe));
+        for node in self.nodes.iter_mut().filter(|node| node.prefix.is_empty()) {
+            node.prefix.clone_from(&recipe);
         }
     }
 }

@@ -7,31 +7,50 @@ use crate::node::{AnyNode, NodeKind};
 use crate::param::{ParamSpec, ParamValue, ParamValues};
 use crate::registry::Registry;
 
-/// The parameters of each node, and the node made of them.
-type Settled = Vec<Option<(ParamValues, Box<dyn AnyNode>)>>;
+/// A node with all its parameters.
+pub(super) struct Settled {
+    pub(super) kind: usize,
+    pub(super) values: ParamValues,
+    pub(super) node: Box<dyn AnyNode>,
+}
 
+/// All the nodes made of their parameters, or `None` if there was something to complain of.
 pub(super) fn settle(
     flat: &Flattened,
     registry: &Registry,
     files: Files,
     faults: &mut Diagnostics,
-) -> Settled {
-    let settle = |node: &FlatNode| {
-        let kind = &registry.kinds()[node.kind?];
-        let values = values(node, kind, registry, files, faults)?;
-        let made = (kind.make)(&values);
-        if let Err(conflict) = made.check() {
-            faults.push(at_param(node, conflict.param, conflict.message));
+) -> Option<Vec<Settled>> {
+    let mut all = Some(Vec::with_capacity(flat.nodes.len()));
+    for node in &flat.nodes {
+        match (settled(node, registry, files, faults), &mut all) {
+            (Some(settled), Some(all)) => all.push(settled),
+            _ => all = None,
         }
-        Some((values, made))
-    };
-    flat.nodes.iter().map(settle).collect()
+    }
+    all
+}
+
+fn settled(
+    node: &FlatNode,
+    registry: &Registry,
+    files: Files,
+    faults: &mut Diagnostics,
+) -> Option<Settled> {
+    let kind = node.kind?;
+    let values = values(node, &registry.kinds()[kind], registry, files, faults)?;
+    let made = (registry.kinds()[kind].make)(&values);
+    if let Err(conflict) = made.check() {
+        faults.push(at_param(node, conflict.param, conflict.message));
+        return None;
+    }
+    Some(Settled { kind, values, node: made })
 }
 
 fn at_param(node: &FlatNode, param: &str, message: String) -> Diagnostic {
     let span = node.set.get(param).map_or(&node.span, |assigned| &assigned.span);
     let message = format!("node {:?}: {message}", node.id);
-    Diagnostic::error(message).at(span.clone()).node(&node.id)
+    Diagnostic::error(message).at(span.clone())
 }
 
 fn values(
@@ -80,7 +99,8 @@ fn value(
             let diagnostic = at_param(node, spec.name, fault.to_string());
             match fault {
                 FileError::NotFound { .. } => diagnostic.help(
-                    "a path in a recipe starts at the recipe's folder, one after --set here",
+                    "a path in a recipe starts at the recipe's folder, one after --set at the \
+                     current one",
                 ),
                 _ => diagnostic,
             }

@@ -7,7 +7,7 @@ use crate::registry::Dialects;
 use crate::values::Gcode;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{Bounds, Cutter, DVec3, SpanKind, Toolpath};
-use carvegraph_sdk::{Command, Direction, PostError, Program, Units};
+use carvegraph_sdk::{Command, Direction, PostError, Program, Stock, Units};
 use std::io;
 
 /// Bytes that are taken between two looks at the cancel token.
@@ -93,7 +93,8 @@ impl Node for Post {
         let dialect = dialects
             .find(&self.dialect)
             .ok_or_else(|| NodeError::failed(format!("there is no dialect {:?}", self.dialect)))?;
-        let commands = self.commands(inputs.toolpath, self.origin(inputs.part))?;
+        let origin = self.origin(inputs.part);
+        let commands = self.commands(inputs.toolpath, origin)?;
         let remarks = self.remarks(&inputs);
         let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
         let program = Program {
@@ -104,6 +105,10 @@ impl Node for Post {
                 UnitSystem::Inch => Units::Inch,
             },
             path_tolerance_mm: self.blend,
+            stock: Some(Stock {
+                min: (inputs.part.min - origin).to_array(),
+                max: (inputs.part.max - origin).to_array(),
+            }),
             commands: &commands,
             ..Program::default()
         };

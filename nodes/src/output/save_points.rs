@@ -112,6 +112,8 @@ mod tests {
         let bytes = encode_ply(&POINTS);
         assert_eq!(bytes.len(), 48);
         assert_eq!(bytes[24..32], 1.5f64.to_le_bytes());
-        assert!(ply_head(2).contains("element vertex 2\n") && ply_head(2).ends_with("end_header\n"));
+        assert!(
+            ply_head(2).contains("element vertex 2\n") && ply_head(2).ends_with("end_header\n")
+        );
     }
 }

@@ -60,7 +60,8 @@ impl Node for SaveStl {
         let mesh = inputs.mesh;
         let count = mesh.triangles.len();
         if count > MAX_TRIANGLES {
-            let message = format!("{count} triangles are too many for STL; it takes {MAX_TRIANGLES}");
+            let message =
+                format!("{count} triangles are too many for STL; it takes {MAX_TRIANGLES}");
             return Err(NodeError::Failed(message));
         }
         let mut file = cx.create(&self.name, "stl")?;

@@ -104,7 +104,9 @@ fn describe_path(path: &Toolpath, part: Option<&Bounds>, say: &mut impl FnMut(&s
         let depth = part.max.z - lowest;
         say(
             "depth",
-            format!("the tip goes {depth:.3} mm below the top: in a full block, rough it out first"),
+            format!(
+                "the tip goes {depth:.3} mm below the top: in a full block, rough it out first"
+            ),
         );
     }
 }

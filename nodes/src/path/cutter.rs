@@ -29,9 +29,9 @@ impl Node for CutterNode {
 
     fn run(&self, (): (), cx: &Context<'_>) -> Result<Chosen, NodeError> {
         let cutters: &Cutters = cx.service()?;
-        let shape = cutters
-            .find(&self.shape)
-            .ok_or_else(|| NodeError::failed(format!("there is no cutter shape {:?}", self.shape)))?;
+        let shape = cutters.find(&self.shape).ok_or_else(|| {
+            NodeError::failed(format!("there is no cutter shape {:?}", self.shape))
+        })?;
         let given = [("diameter", self.diameter)];
         let dimensions = Dimensions::new(shape.dimensions(), &given).map_err(NodeError::failed)?;
         let profile = shape.profile(&dimensions).map_err(NodeError::failed)?;

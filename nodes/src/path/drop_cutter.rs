@@ -102,7 +102,9 @@ impl DropCutter {
                 if against == Against::Points { "at most" } else { "more than" },
                 100.0 * DENSE
             ),
-            _ => format!("as set; the points lie {pitch_mm:.3} mm apart, {share:.1} % of the radius"),
+            _ => {
+                format!("as set; the points lie {pitch_mm:.3} mm apart, {share:.1} % of the radius")
+            }
         };
         (against, format!("dropped on the {on}: {why}"))
     }
@@ -117,7 +119,9 @@ mod tests {
         let auto = DropCutter { against: Surface::Auto, floor: 0.0 };
         assert_eq!(auto.choose(0.6, 3.0).0, Against::Points);
         assert_eq!(auto.choose(0.6000001, 3.0).0, Against::Mesh);
-        assert!(auto.choose(1.706, 3.0).1.contains("56.9 % of the cutter's radius, more than 20 %"));
+        assert!(
+            auto.choose(1.706, 3.0).1.contains("56.9 % of the cutter's radius, more than 20 %")
+        );
     }
 
     #[test]

@@ -47,8 +47,7 @@ impl Node for Link {
             rapid_mm_per_min: self.rapid,
         };
         let safe_z_mm = inputs.part.max.z + self.safe_z;
-        let toolpath =
-            link_passes(inputs.toolpath, safe_z_mm, feeds).map_err(NodeError::failed)?;
+        let toolpath = link_passes(inputs.toolpath, safe_z_mm, feeds).map_err(NodeError::failed)?;
         Ok(Linked { toolpath })
     }
 }

@@ -113,9 +113,8 @@ fn blur_band(
 
 fn blur_line(line: &[f32], weights: &[f32], out: &mut [f32]) {
     let (count, reach) = (line.len(), weights.len() / 2);
-    let mirrored: Vec<f32> = (0..count + 2 * reach)
-        .map(|i| line[reflect(i as isize - reach as isize, count)])
-        .collect();
+    let mirrored: Vec<f32> =
+        (0..count + 2 * reach).map(|i| line[reflect(i as isize - reach as isize, count)]).collect();
     for (k, weight) in weights.iter().enumerate() {
         for (value, source) in out.iter_mut().zip(&mirrored[k..]) {
             *value += weight * source;

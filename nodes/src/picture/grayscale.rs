@@ -64,8 +64,7 @@ impl Grayscale {
         cx: &Context<'_>,
     ) -> Result<Vec<f32>, NodeError> {
         let at = |pixel: &[S], channel: usize| -> f64 { pixel[channel].into() };
-        let luminance =
-            |p: &[S]| (RED * at(p, 0) + GREEN * at(p, 1) + BLUE * at(p, 2)) / white;
+        let luminance = |p: &[S]| (RED * at(p, 0) + GREEN * at(p, 1) + BLUE * at(p, 2)) / white;
         let over = |gray: f64, opacity: f64| gray * opacity + self.backdrop * (1.0 - opacity);
         let gray = |p: &[S]| match image.channels {
             Channels::Gray => at(p, 0) / white,
@@ -111,8 +110,12 @@ mod tests {
     #[test]
     fn every_level_of_16_bits_stays_apart() {
         let samples: Vec<u16> = (0..=65535).collect();
-        let image =
-            Image { width: 256, height: 256, channels: Channels::Gray, samples: Samples::U16(samples) };
+        let image = Image {
+            width: 256,
+            height: 256,
+            channels: Channels::Gray,
+            samples: Samples::U16(samples),
+        };
         let gray =
             run(|cx| Grayscale { backdrop: 0.0 }.run(Colored { image: &image }, cx)).unwrap().image;
         assert!(gray.values.windows(2).all(|pair| pair[0] < pair[1]));

@@ -64,10 +64,11 @@ impl Node for ZMap {
                 "a picture of {columns} × {rows} px makes no surface: it needs 2 × 2 px at least"
             )));
         }
-        let (dark, bright) = image.values.par_iter().map(|value| (*value, *value)).reduce(
-            || (f32::INFINITY, f32::NEG_INFINITY),
-            |a, b| (a.0.min(b.0), a.1.max(b.1)),
-        );
+        let (dark, bright) = image
+            .values
+            .par_iter()
+            .map(|value| (*value, *value))
+            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         if dark == bright {
             cx.warn(format!(
                 "the picture is one even gray: the surface is flat, at z_min = {} mm",

@@ -28,7 +28,18 @@ fn relief() -> Vec<Command> {
     commands
 }
 
-#[divan::bench(args = [("grbl", Units::Mm), ("grbl", Units::Inch), ("linuxcnc", Units::Mm)])]
+/// One of each kind: the family's leanest, its inches, with block numbers, with a motion word in
+/// each block, and the two languages of their own.
+const DIALECTS: [(&str, Units); 6] = [
+    ("grbl", Units::Mm),
+    ("grbl", Units::Inch),
+    ("siemens", Units::Mm),
+    ("marlin", Units::Mm),
+    ("heidenhain", Units::Mm),
+    ("shopbot", Units::Mm),
+];
+
+#[divan::bench(args = DIALECTS)]
 fn post(bencher: divan::Bencher<'_, '_>, (name, units): (&str, Units)) {
     let commands = relief();
     let dialects = standard();

@@ -37,6 +37,9 @@ const CLOSED_STEPS: f64 = 4.0;
 /// there, rounding parts the radii by at most √2 steps to begin with.
 const FAR_SIDE_STEPS: f64 = 1.0;
 
+/// A full turn of ten metres' radius to within a step takes 7,025 chords.
+const MOST_CHORDS: u32 = 10_000;
+
 /// An arc in its plane, in steps: as it is meant, and its start and end as they are written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlaneArc {
@@ -69,7 +72,7 @@ impl PlaneArc {
     }
 
     /// The angle turned through, in (0, 2π]; 2π exactly where start and end are equal.
-    fn sweep(&self) -> f64 {
+    pub(crate) fn sweep(&self) -> f64 {
         if self.meant_start == self.meant_end {
             return TAU;
         }
@@ -79,6 +82,34 @@ impl PlaneArc {
         let angle = cross.atan2(from[0] * to[0] + from[1] * to[1]);
         let angle = if self.direction == Direction::Clockwise { -angle } else { angle };
         if angle < 0.0 { angle + TAU } else { angle }
+    }
+
+    /// The arc that is written, as the controller understands it; its start is at 0.
+    pub(crate) fn understood(&self, to: [i64; 2], offset: [i64; 2]) -> Self {
+        Self {
+            meant_start: [0.0, 0.0],
+            meant_end: [0, 1].map(|k| (to[k] - self.start[k]) as f64),
+            center: offset.map(|o| o as f64),
+            ..*self
+        }
+    }
+
+    /// The point of the meant arc after a fraction of its sweep, in steps.
+    pub(crate) fn point(&self, fraction: f64) -> [f64; 2] {
+        let [start, end] = self.radii();
+        let radius = start + fraction * (end - start);
+        let turn =
+            if self.direction == Direction::Clockwise { -self.sweep() } else { self.sweep() };
+        let from = sub(self.meant_start, self.center);
+        let angle = from[1].atan2(from[0]) + fraction * turn;
+        [self.center[0] + radius * angle.cos(), self.center[1] + radius * angle.sin()]
+    }
+
+    /// How many equal chords of the meant arc stay within `tolerance` steps of it.
+    pub(crate) fn chords(&self, tolerance: f64) -> u32 {
+        let radius = self.radii()[0].max(self.radii()[1]);
+        let half = (1.0 - tolerance / radius).clamp(0.0, 1.0).acos();
+        (self.sweep() / (2.0 * half)).ceil().clamp(1.0, f64::from(MOST_CHORDS)) as u32
     }
 
     /// See the module's description.
@@ -145,16 +176,6 @@ mod tests {
         PlaneArc { meant_start, meant_end, center, direction, start, end }
     }
 
-    /// The arc that is written, as the controller understands it; its start is at 0.
-    fn understood(arc: &PlaneArc, to: [i64; 2], offset: [i64; 2]) -> PlaneArc {
-        PlaneArc {
-            meant_start: [0.0, 0.0],
-            meant_end: [0, 1].map(|k| (to[k] - arc.start[k]) as f64),
-            center: offset.map(|o| o as f64),
-            ..*arc
-        }
-    }
-
     /// Farthest that the written arc, a spiral if its radii differ, lies off the meant circle.
     fn departure(arc: &PlaneArc, read: &PlaneArc) -> f64 {
         let ([start, end], sweep) = (read.radii(), read.sweep());
@@ -183,7 +204,7 @@ mod tests {
                 [0.0; 2]
             }
             Written::Arc { to, offset } => {
-                let read = understood(arc, to, offset);
+                let read = arc.understood(to, offset);
                 let turned = (read.sweep() - arc.sweep()).abs() * radius;
                 assert!(turned < 2.0 * CLOSED_STEPS * (1.0 + arc.sweep()), "{arc:?} {read:?}");
                 let left = [0, 1].map(|k| (to[k] - arc.end[k]) as f64);
@@ -218,6 +239,19 @@ mod tests {
     }
 
     #[test]
+    fn chords_stay_within_their_tolerance() {
+        for (radius, sweep) in [(5.0, 1.0), (1000.0, 6.0), (1e7, TAU), (40_000.0, -2.0), (0.5, TAU)]
+        {
+            let arc = arc(radius, 0.4, sweep, [0.0, 0.0]);
+            let chords = arc.chords(2.0);
+            let half = sweep.abs() / f64::from(chords) / 2.0;
+            assert!(radius * (1.0 - half.cos()) <= 2.0 + 1e-6, "{radius} {sweep} {chords}");
+            let end = sub(arc.point(1.0), arc.meant_end);
+            assert!(length(end) < 1e-6 * radius, "{end:?}");
+        }
+    }
+
+    #[test]
     fn full_circles_stay_full() {
         for direction in [TAU, -TAU] {
             let circle = arc(1234.4, 0.3, direction, [0.5, 0.25]);
@@ -233,7 +267,7 @@ mod tests {
             let sweep = TAU - f64::from(k) * 1e-6;
             let circle = arc(5000.0, 0.1 * f64::from(k), sweep, [0.3, 0.7]);
             let Written::Arc { to, offset } = circle.written() else { panic!("a line") };
-            assert!(understood(&circle, to, offset).sweep() > 6.0, "{circle:?}");
+            assert!(circle.understood(to, offset).sweep() > 6.0, "{circle:?}");
         }
     }
 
@@ -243,7 +277,7 @@ mod tests {
             let k = f64::from(k);
             let short = arc(5000.0, 0.1 * k, 1e-6 * k, [0.3, 0.7]);
             if let Written::Arc { to, offset } = short.written() {
-                assert!(understood(&short, to, offset).sweep() < 0.2, "{short:?}");
+                assert!(short.understood(to, offset).sweep() < 0.2, "{short:?}");
             }
         }
     }

@@ -8,6 +8,17 @@ use std::io;
 /// enough that a sink which cancels is asked every few milliseconds.
 const PIECE: usize = 64 * 1024;
 
+/// How blocks are numbered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbering {
+    /// What stands before the number.
+    pub(crate) prefix: &'static str,
+    /// The first number.
+    pub(crate) first: u32,
+    /// From one number to the next.
+    pub(crate) step: u32,
+}
+
 /// Writes blocks, one a line.
 pub(crate) struct Blocks<'a> {
     out: &'a mut dyn io::Write,
@@ -16,12 +27,21 @@ pub(crate) struct Blocks<'a> {
     /// Where in `text` the one being written begins.
     begin: usize,
     limit: usize,
+    numbering: Option<Numbering>,
+    /// The number of the next block.
+    number: u32,
 }
 
 impl<'a> Blocks<'a> {
-    /// Blocks of at most `limit` characters; spaces do not count.
-    pub(crate) fn new(out: &'a mut dyn io::Write, limit: usize) -> Self {
-        Self { out, text: Vec::with_capacity(PIECE + 512), begin: 0, limit }
+    /// Blocks of at most `limit` characters. Some controllers do not count spaces; no block comes
+    /// near enough to its limit for that to matter.
+    pub(crate) fn new(
+        out: &'a mut dyn io::Write,
+        limit: usize,
+        numbering: Option<Numbering>,
+    ) -> Self {
+        let number = numbering.map_or(0, |n| n.first);
+        Self { out, text: Vec::with_capacity(PIECE + 512), begin: 0, limit, numbering, number }
     }
 
     /// Adds to the block what stands there as it is, after a space.
@@ -39,9 +59,16 @@ impl<'a> Blocks<'a> {
         grid.push(&mut self.text, steps);
     }
 
-    /// Adds a letter with a whole number, written without a point.
-    pub(crate) fn whole(&mut self, letter: char, number: u32) {
-        self.word(&format!("{letter}{number}"));
+    /// Adds to what stands there, without a space.
+    #[inline]
+    pub(crate) fn text(&mut self, text: &str) {
+        self.text.extend_from_slice(text.as_bytes());
+    }
+
+    /// Adds a number to what stands there, without a space.
+    #[inline]
+    pub(crate) fn digits(&mut self, grid: Grid, steps: i64) {
+        grid.push(&mut self.text, steps);
     }
 
     /// Ends the block; an empty one leaves no line.
@@ -52,7 +79,7 @@ impl<'a> Blocks<'a> {
             return Ok(());
         }
         if length > self.limit {
-            self.check_length()?;
+            return Err(self.too_long());
         }
         self.text.push(b'\n');
         self.begin = self.text.len();
@@ -62,6 +89,12 @@ impl<'a> Blocks<'a> {
     /// Writes a block of its own.
     pub(crate) fn line(&mut self, text: &str) -> Result<(), PostError> {
         self.word(text);
+        self.end()
+    }
+
+    /// Writes a line that is no block and has no number.
+    pub(crate) fn bare_line(&mut self, text: &str) -> Result<(), PostError> {
+        self.text(text);
         self.end()
     }
 
@@ -75,7 +108,17 @@ impl<'a> Blocks<'a> {
     fn space(&mut self) {
         if self.text.len() > self.begin {
             self.text.push(b' ');
+        } else if self.numbering.is_some() {
+            self.begin_numbered();
         }
+    }
+
+    fn begin_numbered(&mut self) {
+        let Some(Numbering { prefix, step, .. }) = self.numbering else { return };
+        self.text.extend_from_slice(prefix.as_bytes());
+        Grid::WHOLE.push(&mut self.text, i64::from(self.number));
+        self.text.push(b' ');
+        self.number += step;
     }
 
     fn hand_over(&mut self) -> Result<(), PostError> {
@@ -86,13 +129,10 @@ impl<'a> Blocks<'a> {
     }
 
     #[cold]
-    fn check_length(&self) -> Result<(), PostError> {
+    fn too_long(&self) -> PostError {
         let block = &self.text[self.begin..];
-        let length = block.iter().filter(|&&b| b != b' ').count();
-        if length <= self.limit {
-            return Ok(());
-        }
+        let length = block.len();
         let block = String::from_utf8_lossy(block).into_owned();
-        Err(PostError::BlockTooLong { block, length, limit: self.limit })
+        PostError::BlockTooLong { block, length, limit: self.limit }
     }
 }

@@ -5,8 +5,8 @@
 //! or, where a controller takes comments beginning with certain words for orders (LinuxCNC's
 //! `(LOGOPEN,...)` and `(py,...)`, Mach's `(MSG,...)`), be one. So:
 //!
-//! * only letters, digits, spaces and `. , : + - * / = _ ' " @ & # %` are kept; what is not ASCII
-//!   becomes `_`, everything else a space;
+//! * only letters, digits, spaces and the punctuation that a dialect allows are kept; what is not
+//!   ASCII becomes `_` where that is allowed, everything else a space;
 //! * no comment begins with the text's own word: a mark comes first;
 //! * long texts go on in further comments, up to a number of them, and end in `...`.
 
@@ -16,21 +16,40 @@ const MAX_LINES: usize = 4;
 /// What stands before a remark, and before what is left of a text after its first line.
 pub(crate) const MARK: &str = "- ";
 
+/// How a dialect writes comments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CommentStyle {
+    /// What begins a comment.
+    pub(crate) open: &'static str,
+    /// What ends it; nothing where the line's end does.
+    pub(crate) close: &'static str,
+    /// Whether the controller knows upper case only.
+    pub(crate) upper: bool,
+    /// What may stand in a comment besides letters, digits and spaces; ASCII, with `-` and `.`.
+    pub(crate) punctuation: &'static str,
+}
+
+/// In brackets, all that no controller known to us acts on.
+pub(crate) const BRACKETS: CommentStyle =
+    CommentStyle { open: "(", close: ")", upper: false, punctuation: ".,:+-*/=_'\"@&#%" };
+
 /// `text` as whole comments of at most `width` characters each, the first beginning with `mark`.
-pub(crate) fn comments(mark: &str, text: &str, width: usize) -> Vec<String> {
-    let clean = harmless(text, width * MAX_LINES);
+pub(crate) fn comments(style: &CommentStyle, mark: &str, text: &str, width: usize) -> Vec<String> {
+    let CommentStyle { open, close, .. } = style;
+    let mark = format!("{} ", harmless(style, mark, width));
+    let clean = harmless(style, text, width * MAX_LINES);
     let mut rest = clean.as_str();
     let mut lines = Vec::new();
     while !rest.is_empty() {
-        let mark = if lines.is_empty() { mark } else { MARK };
-        let room = width - mark.len() - "()".len();
+        let mark = if lines.is_empty() { &mark } else { MARK };
+        let room = width - mark.len() - open.len() - close.len();
         if lines.len() + 1 == MAX_LINES && rest.len() > room {
             let kept = rest[..room - "...".len()].trim_end();
-            lines.push(format!("({mark}{kept}...)"));
+            lines.push(format!("{open}{mark}{kept}...{close}"));
             break;
         }
         let (line, left) = break_at(rest, room);
-        lines.push(format!("({mark}{line})"));
+        lines.push(format!("{open}{mark}{line}{close}"));
         rest = left;
     }
     lines
@@ -46,15 +65,16 @@ fn break_at(text: &str, room: usize) -> (&str, &str) {
 }
 
 /// The first `limit` characters that are left when all that could do harm is gone; ASCII.
-fn harmless(text: &str, limit: usize) -> String {
+fn harmless(style: &CommentStyle, text: &str, limit: usize) -> String {
     let mut clean = String::new();
     for character in text.chars() {
         let kept = match character {
+            'a'..='z' if style.upper => character.to_ascii_uppercase(),
             'a'..='z' | 'A'..='Z' | '0'..='9' => character,
-            '.' | ',' | ':' | '+' | '-' | '*' | '/' | '=' | '_' => character,
-            '\'' | '"' | '@' | '&' | '#' | '%' => character,
+            _ if style.punctuation.contains(character) => character,
             _ if character.is_ascii() || character.is_whitespace() => ' ',
-            _ => '_',
+            _ if style.punctuation.contains('_') => '_',
+            _ => ' ',
         };
         if kept != ' ' || !(clean.is_empty() || clean.ends_with(' ')) {
             clean.push(kept);
@@ -72,13 +92,13 @@ mod tests {
     use super::*;
 
     fn remark(text: &str) -> Vec<String> {
-        comments(MARK, text, 79)
+        comments(&BRACKETS, MARK, text, 79)
     }
 
     #[test]
     fn plain_text_stays() {
         assert_eq!(remark("Ball 6 mm, stepover 40%"), ["(- Ball 6 mm, stepover 40%)"]);
-        assert_eq!(comments("Carvegraph: ", "Relief", 79), ["(Carvegraph: Relief)"]);
+        assert_eq!(comments(&BRACKETS, "Carvegraph: ", "Relief", 79), ["(Carvegraph: Relief)"]);
         assert_eq!(remark(""), [""; 0]);
         assert_eq!(remark(" \n "), [""; 0]);
     }
@@ -94,6 +114,15 @@ mod tests {
         assert_eq!(remark("LOGOPEN,/etc/passwd"), ["(- LOGOPEN,/etc/passwd)"]);
         assert_eq!(remark("hold! who? ~ me \u{18}"), ["(- hold who me)"]);
         assert_eq!(remark("Café 10×10 \u{84}"), ["(- Caf_ 10_10 _)"]);
+    }
+
+    #[test]
+    fn a_style_keeps_what_its_controller_reads() {
+        let plain = CommentStyle { upper: true, punctuation: ".,+-", ..BRACKETS };
+        let lines = comments(&plain, "Carvegraph: ", "Relief_2 %O9000 é", 79);
+        assert_eq!(lines, ["(CARVEGRAPH RELIEF 2 O9000)"]);
+        let to_the_end = CommentStyle { open: "; ", close: "", ..BRACKETS };
+        assert_eq!(comments(&to_the_end, MARK, "a\nG0 Z-50", 79), ["; - a G0 Z-50"]);
     }
 
     #[test]

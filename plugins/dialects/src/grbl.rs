@@ -3,13 +3,15 @@
 //! Source: gnea/grbl, `gcode.c` (the words it accepts), `protocol.c` (lines and comments),
 //! `nuts_bolts.c` (dwell). It has no tool change, no tool table and no `G64`; it blends by its own
 //! junction deviation. It takes `!`, `?`, `~` and bytes above 127 out of the stream and acts on
-//! them wherever they stand, even inside a comment.
+//! them wherever they stand, even inside a comment. A `%` is an error.
 
-use crate::rs274::{ISO, Rs274, ToolChange};
+use crate::front::{Abilities, Tools};
+use crate::iso6983::ISO;
+use crate::rs274::Rs274;
 
 /// Seconds from M3 to cutting. GRBL does not wait for the spindle, and the routers and small
 /// spindles its machines carry need two to three seconds to full speed.
-const SPIN_UP_S: f64 = 3.0;
+pub(crate) const SPIN_UP_S: f64 = 3.0;
 
 /// `delay_sec` counts steps of 50 ms in 16 bits.
 const DWELL_LIMIT_S: f64 = 3276.0;
@@ -20,11 +22,13 @@ const LINE_LIMIT: usize = 79;
 pub(crate) const GRBL: Rs274 = Rs274 {
     name: "grbl",
     about: "GRBL 1.1: hobby routers with an Arduino or 32-bit board",
-    extension: "nc",
+    abilities: Abilities {
+        tools: Tools::None("grbl has no tool change (M6): write one program for each tool"),
+        spin_up_s: Some(SPIN_UP_S),
+        dwell_limit_s: DWELL_LIMIT_S,
+        ..ISO.abilities
+    },
     line_limit: LINE_LIMIT,
-    tool_change: ToolChange::None("grbl has no tool change (M6): write one program for each tool"),
-    spin_up_s: Some(SPIN_UP_S),
-    dwell_limit_s: DWELL_LIMIT_S,
-    end: "M30",
+    rejects: &["A", "B", "C", "D", "H", "Q", "%", "G43", "G64", "G90.1", "M6"],
     ..ISO
 };

@@ -8,12 +8,38 @@
 
 use carvegraph_sdk::Units;
 
+/// How a controller wants its numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NumberFormat {
+    /// Decimals of a millimetre; up to 3 are rounded exactly.
+    pub(crate) decimals_mm: u32,
+    /// Decimals of an inch; up to 4 are rounded exactly.
+    pub(crate) decimals_inch: u32,
+    /// Decimals that are written even if they are zeros; with 1 the point is never missing.
+    pub(crate) least_decimals: u32,
+    /// Whether a sign stands before positive coordinates too.
+    pub(crate) plus: bool,
+}
+
+/// What feeds are counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FeedUnit {
+    /// Millimetres or inches a minute.
+    PerMinute,
+    /// Millimetres or inches a second.
+    PerSecond,
+    /// Millimetres or tenths of an inch a minute.
+    TenthInchPerMinute,
+}
+
 /// The steps of one unit system: `numerator / denominator` of them make a millimetre.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grid {
     numerator: f64,
     denominator: f64,
     decimals: u32,
+    least_decimals: u32,
+    plus: bool,
 }
 
 /// How near to a half a rounded product must be for its true side to be worked out. Two roundings
@@ -21,16 +47,35 @@ pub(crate) struct Grid {
 const NEAR_HALF: f64 = 1e-6;
 
 impl Grid {
-    /// Three decimals; also for what has no units, such as seconds.
-    pub(crate) const THOUSANDTHS: Self = Self { numerator: 1000.0, denominator: 1.0, decimals: 3 };
+    /// Three decimals and always a point; for what has no units, such as seconds.
+    pub(crate) const THOUSANDTHS: Self =
+        Self { numerator: 1000.0, denominator: 1.0, decimals: 3, least_decimals: 1, plus: false };
 
-    /// Four decimals of an inch of 25.4 mm.
-    const INCH: Self = Self { numerator: 50_000.0, denominator: 127.0, decimals: 4 };
+    /// Whole numbers.
+    pub(crate) const WHOLE: Self =
+        Self { numerator: 1.0, denominator: 1.0, decimals: 0, least_decimals: 0, plus: false };
 
-    pub(crate) fn of(units: Units) -> Self {
-        match units {
-            Units::Mm => Self::THOUSANDTHS,
-            Units::Inch => Self::INCH,
+    /// The grid of coordinates.
+    pub(crate) fn lengths(units: Units, format: NumberFormat) -> Self {
+        let (decimals, numerator, denominator) = match units {
+            Units::Mm => (format.decimals_mm, 1.0, 1.0),
+            // 25.4 mm, in whole numbers.
+            Units::Inch => (format.decimals_inch, 10.0, 254.0),
+        };
+        let least_decimals = format.least_decimals.min(decimals);
+        let numerator = numerator * 10_f64.powi(decimals as i32);
+        Self { numerator, denominator, decimals, least_decimals, plus: format.plus }
+    }
+
+    /// The grid of feeds, which are given in mm/min.
+    pub(crate) fn feeds(units: Units, format: NumberFormat, unit: FeedUnit) -> Self {
+        let grid = Self { plus: false, ..Self::lengths(units, format) };
+        match (unit, units) {
+            (FeedUnit::PerSecond, _) => Self { denominator: 60.0 * grid.denominator, ..grid },
+            (FeedUnit::TenthInchPerMinute, Units::Inch) => {
+                Self { numerator: 10.0 * grid.numerator, ..grid }
+            }
+            _ => grid,
         }
     }
 
@@ -65,15 +110,22 @@ impl Grid {
         self.denominator / self.numerator
     }
 
+    /// A number of steps in decimals.
+    pub(crate) fn text(self, steps: i64) -> String {
+        let mut out = Vec::new();
+        self.push(&mut out, steps);
+        out.into_iter().map(char::from).collect()
+    }
+
     /// Writes a number of steps in decimals.
     #[inline]
     pub(crate) fn push(self, out: &mut Vec<u8>, steps: i64) {
-        // 19 digits of an i64, a point and a sign fit.
+        // 20 digits, a point and a sign fit.
         let mut text = [0_u8; 24];
         let mut at = text.len();
         let mut rest = steps.unsigned_abs();
         let mut decimals = self.decimals;
-        while decimals > 1 && rest.is_multiple_of(10) {
+        while decimals > self.least_decimals && rest.is_multiple_of(10) {
             rest /= 10;
             decimals -= 1;
         }
@@ -85,16 +137,18 @@ impl Grid {
         for _ in 0..decimals {
             digit(&mut rest, &mut at);
         }
-        let point = at - 1;
+        let point = at - usize::from(decimals > 0);
         at = point;
         digit(&mut rest, &mut at);
         while rest > 0 {
             digit(&mut rest, &mut at);
         }
-        text[point] = b'.';
-        if steps < 0 {
+        if decimals > 0 {
+            text[point] = b'.';
+        }
+        if steps < 0 || self.plus {
             at -= 1;
-            text[at] = b'-';
+            text[at] = if steps < 0 { b'-' } else { b'+' };
         }
         out.extend_from_slice(&text[at..]);
     }
@@ -104,8 +158,14 @@ impl Grid {
 mod tests {
     use super::*;
 
+    const FORMAT: NumberFormat =
+        NumberFormat { decimals_mm: 3, decimals_inch: 4, least_decimals: 1, plus: false };
+
     fn written(units: Units, value_mm: f64) -> String {
-        let grid = Grid::of(units);
+        text(Grid::lengths(units, FORMAT), value_mm)
+    }
+
+    fn text(grid: Grid, value_mm: f64) -> String {
         let mut out = Vec::new();
         grid.push(&mut out, grid.round(value_mm));
         String::from_utf8(out).unwrap()
@@ -144,7 +204,7 @@ mod tests {
         // 1.0005 is a little below in binary, 1.0015 a little below, 1.0025 above.
         for value in [1.0005, 1.0015, 1.0025, 2.0005, 8.1255, 100.0005, 999_999.000_5] {
             for value in [value, -value] {
-                assert_eq!(Grid::of(Units::Mm).round(value), exactly(value), "{value}");
+                assert_eq!(Grid::THOUSANDTHS.round(value), exactly(value), "{value}");
             }
         }
         assert_eq!(mm(0.499_999_999_999_999_94 / 1000.0), "0.0");
@@ -156,10 +216,10 @@ mod tests {
         for _ in 0..100_000 {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let value = (seed >> 20) as f64 / (1_u64 << 34) as f64 - 512.0;
-            assert_eq!(Grid::of(Units::Mm).round(value), exactly(value), "{value}");
+            assert_eq!(Grid::THOUSANDTHS.round(value), exactly(value), "{value}");
             // Decimal ties that binary cannot hold.
             let tie = ((seed >> 40) as f64 + 0.5) / 1000.0;
-            assert_eq!(Grid::of(Units::Mm).round(tie), exactly(tie), "{tie}");
+            assert_eq!(Grid::THOUSANDTHS.round(tie), exactly(tie), "{tie}");
         }
     }
 
@@ -170,6 +230,29 @@ mod tests {
         assert_eq!(written(Units::Inch, 1.0), "0.0394");
         assert_eq!(written(Units::Inch, 0.001_27), "0.0001");
         assert_eq!(written(Units::Inch, 25.4e3 + 0.001_26), "1000.0");
+    }
+
+    #[test]
+    fn signs_and_points_follow_the_format() {
+        let signed = NumberFormat { least_decimals: 0, plus: true, ..FORMAT };
+        let grid = Grid::lengths(Units::Mm, signed);
+        let texts = [0.0, 10.0, -10.5, 0.001].map(|value| text(grid, value));
+        assert_eq!(texts, ["+0", "+10", "-10.5", "+0.001"]);
+        let whole = NumberFormat { decimals_mm: 0, ..FORMAT };
+        assert_eq!(text(Grid::lengths(Units::Mm, whole), 120.4), "120");
+        let three = NumberFormat { least_decimals: 3, ..FORMAT };
+        assert_eq!(text(Grid::lengths(Units::Mm, three), 2.5), "2.500");
+    }
+
+    #[test]
+    fn feeds_have_their_own_units() {
+        let feed = |units, unit| text(Grid::feeds(units, FORMAT, unit), 254.0);
+        assert_eq!(feed(Units::Mm, FeedUnit::PerMinute), "254.0");
+        assert_eq!(feed(Units::Inch, FeedUnit::PerMinute), "10.0");
+        assert_eq!(feed(Units::Mm, FeedUnit::PerSecond), "4.233");
+        assert_eq!(feed(Units::Inch, FeedUnit::PerSecond), "0.1667");
+        assert_eq!(feed(Units::Mm, FeedUnit::TenthInchPerMinute), "254.0");
+        assert_eq!(feed(Units::Inch, FeedUnit::TenthInchPerMinute), "100.0");
     }
 
     /// Thousandths by way of the exact decimal expansion of a binary number; a finite expansion

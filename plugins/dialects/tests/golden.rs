@@ -5,7 +5,7 @@
 mod jobs;
 
 use carvegraph_dialects::standard;
-use carvegraph_sdk::{Command, Units};
+use carvegraph_sdk::Units;
 use std::path::Path;
 
 fn check(file: &str, text: &str) {
@@ -19,24 +19,12 @@ fn check(file: &str, text: &str) {
 
 #[test]
 fn a_small_job_reads_as_before() {
-    for dialect in standard() {
-        let text = jobs::small().post(&*dialect).unwrap();
-        check(&format!("small.{}.{}", dialect.name(), dialect.extension()), &text);
+    for (units, name) in [(Units::Mm, "small"), (Units::Inch, "small_inch")] {
+        for dialect in standard() {
+            let mut job = jobs::small(&*dialect);
+            job.units = units;
+            let text = job.post(&*dialect).unwrap();
+            check(&format!("{name}.{}.{}", dialect.name(), dialect.extension()), &text);
+        }
     }
-}
-
-#[test]
-fn an_inch_job_with_two_tools_reads_as_before() {
-    let mut job =
-        jobs::Job { units: Units::Inch, title: "Two tools".to_owned(), ..jobs::Job::default() };
-    for number in [1, 12] {
-        job.commands.push(Command::ToolChange { number });
-        job.commands.extend(
-            jobs::small()
-                .commands
-                .into_iter()
-                .filter(|c| !matches!(c, Command::Arc { .. } | Command::Comment { .. })),
-        );
-    }
-    check("two_tools.linuxcnc.ngc", &job.post(&*jobs::dialect("linuxcnc")).unwrap());
 }

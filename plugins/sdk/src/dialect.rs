@@ -111,6 +111,16 @@ pub enum PostError {
     /// The path tolerance is not a positive length.
     #[error("the path tolerance is {0} mm; it must be above 0")]
     PathTolerance(f64),
+    /// The stock is no block.
+    #[error(
+        "the stock reaches from {min:?} to {max:?} mm; give a finite block, least corner first"
+    )]
+    Stock {
+        /// Its least x, y and z.
+        min: [f64; 3],
+        /// Its greatest.
+        max: [f64; 3],
+    },
     /// A cutting move comes before the tip's position is known.
     #[error(
         "command {command} cuts before it is known where the tip is; begin the program, and go on \
@@ -174,6 +184,16 @@ pub enum PostError {
         length: usize,
         /// What the controller reads.
         limit: usize,
+    },
+    /// The dialect itself is at fault.
+    #[error("{dialect} would write {line:?}, but its controller rejects {word}")]
+    Rejected {
+        /// The dialect.
+        dialect: String,
+        /// What it would write.
+        line: String,
+        /// The word in it that its controller rejects.
+        word: String,
     },
     /// The sink failed, or asked to stop.
     #[error(transparent)]

@@ -11,4 +11,4 @@ mod program;
 pub use carvegraph_geometry::{Profile, ProfileError, Segment};
 pub use cutter::{CutterError, CutterShape, DimensionSpec, DimensionUnit, Dimensions};
 pub use dialect::{Capabilities, Dialect, PostError};
-pub use program::{Arc, Command, Direction, Plane, Program, Units};
+pub use program::{Arc, Command, Direction, Plane, Program, Stock, Units};

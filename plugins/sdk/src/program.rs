@@ -69,6 +69,16 @@ pub struct Arc {
     pub mm_per_min: f64,
 }
 
+/// The block that is cut from, in the program's frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stock {
+    /// Its least x, y and z in mm.
+    pub min: [f64; 3],
+    /// Its greatest, none below the least.
+    pub max: [f64; 3],
+}
+
 /// One step of a program.
 #[repr(u32)]
 #[non_exhaustive]
@@ -134,6 +144,9 @@ pub struct Program<'a> {
     /// How far the controller may leave the path to keep its speed, in mm, above 0. Dialects that
     /// cannot say so ignore it; LinuxCNC uses it twice, for blending and for merging points.
     pub path_tolerance_mm: f64,
+    /// The block that is cut from, for controllers that draw what they do. Without one they draw
+    /// what the cuts pass through.
+    pub stock: Option<Stock>,
     /// What to do, in order.
     pub commands: &'a [Command],
     /// Texts of [`Command::Comment`].

@@ -6,10 +6,16 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// The command under test.
 pub(crate) const CARVE: &str = env!("CARGO_BIN_EXE_carve-under-test");
+
+/// Settings that make a small job of any picture: a part of some 30 mm, and thumbnails for previews.
+pub(crate) const QUICK: [&str; 6] =
+    ["--set", "canvas_width=30", "--set", "preview.size=64", "--set", "preview_path.size=64"];
 
 /// A folder that the command is called in; gone when the test is over.
 pub(crate) struct Bench {
@@ -46,7 +52,12 @@ impl Bench {
     }
 
     /// Saves a gray picture of 8 bits.
-    pub(crate) fn picture(&self, name: &str, (width, height): (u32, u32), gray: fn(u32, u32) -> u8) {
+    pub(crate) fn picture(
+        &self,
+        name: &str,
+        (width, height): (u32, u32),
+        gray: fn(u32, u32) -> u8,
+    ) {
         let picture = GrayImage::from_fn(width, height, |x, y| Luma([gray(x, y)]));
         picture.save(self.path(name)).unwrap();
     }
@@ -79,6 +90,27 @@ impl Bench {
         Answer {
             status: output.status.code().unwrap_or(-1),
             out: String::from_utf8(output.stdout).unwrap(),
+            err: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// Calls the command, which must end within a limit.
+    pub(crate) fn carve_within(&self, limit: Duration, arguments: &[&str]) -> Answer {
+        let mut command = self.command(arguments);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let started = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            if started.elapsed() > limit {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                panic!("{arguments:?} takes more than {limit:?}");
+            }
+            sleep(Duration::from_millis(5));
+        }
+        let output = child.wait_with_output().unwrap();
+        Answer {
+            status: output.status.code().unwrap_or(-1),
+            out: String::new(),
             err: String::from_utf8(output.stderr).unwrap(),
         }
     }

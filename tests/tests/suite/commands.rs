@@ -40,8 +40,9 @@ fn a_plan_lists_nodes_in_order() {
     let ids: Vec<&str> = plan.lines().skip(1).filter_map(|l| l.split(' ').next()).collect();
     assert_eq!(ids.len(), 18, "{plan}");
     let at = |id: &str| ids.iter().position(|known| *known == id).unwrap();
-    for pair in ["photo", "gray", "smooth", "relief", "drop", "reduce", "link", "post", "save_gcode"]
-        .windows(2)
+    for pair in
+        ["photo", "gray", "smooth", "relief", "drop", "reduce", "link", "post", "save_gcode"]
+            .windows(2)
     {
         assert!(at(pair[0]) < at(pair[1]), "{plan}");
     }
@@ -71,7 +72,10 @@ fn nodes_are_listed_and_described() {
         assert!(text.contains(kind["about"].as_str().unwrap()), "{text}");
         for list in ["inputs", "outputs", "params"] {
             for entry in kind[list].as_array().unwrap() {
-                assert!(text.contains(&format!("\n  {}", entry["name"].as_str().unwrap())), "{text}");
+                assert!(
+                    text.contains(&format!("\n  {}", entry["name"].as_str().unwrap())),
+                    "{text}"
+                );
                 assert!(text.contains(entry["about"].as_str().unwrap()), "{text}");
             }
         }
@@ -162,11 +166,9 @@ fn the_standard_recipe_has_the_promised_knobs_and_defaults() {
 
 #[test]
 fn shells_get_completions() {
-    for (shell, words) in [
-        ("bash", "complete -F _carve"),
-        ("zsh", "#compdef carve"),
-        ("fish", "complete -c carve"),
-    ] {
+    for (shell, words) in
+        [("bash", "complete -F _carve"), ("zsh", "#compdef carve"), ("fish", "complete -c carve")]
+    {
         let script = told(&["completions", shell]);
         assert!(script.contains(words), "{shell}: {}", &script[..script.len().min(300)]);
         for command in ["run", "check", "plan", "nodes", "cutters", "dialects", "graphs"] {
@@ -186,13 +188,14 @@ fn wrong_calls_are_refused() {
     assert_wrong(&["run", "relief", "--set", "diameter"], &["write NAME=VALUE"]);
     assert_wrong(&["run", "relief", "--set", "=6"], &["write NAME=VALUE"]);
     assert_wrong(&["run", "relief", "--only", "savegcode"], &["did you mean \"save_gcode\"?"]);
-    assert_wrong(&["run", "releif"], &["did you mean \"relief\"?", "built in are relief"]);
+    assert_wrong(&["run", "releif"], &["did you mean \"relief\"?", "Built in are relief"]);
 }
 
 #[test]
 fn help_and_version_are_told() {
     let help = told(&["--help"]);
-    for command in ["run", "check", "plan", "nodes", "cutters", "dialects", "graphs", "completions"] {
+    for command in ["run", "check", "plan", "nodes", "cutters", "dialects", "graphs", "completions"]
+    {
         assert!(help.contains(&format!("  {command} ")), "{help}");
     }
     let run = told(&["run", "--help"]);

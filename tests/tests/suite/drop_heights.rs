@@ -15,7 +15,7 @@ use carvegraph_core::{
 use carvegraph_geometry::{DVec2, DVec3, HeightField, Toolpath};
 use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 /// Heights may differ from the truth by no more, in mm.
 const EXACT_MM: f64 = 1e-9;
@@ -28,11 +28,10 @@ const RADIUS_MM: f64 = 3.0;
 struct Seen(Mutex<BTreeMap<String, Vec<Value>>>);
 
 impl Seen {
-    /// The values that the nodes of a kind made.
-    fn of<T: 'static>(&self, kind: &str, with: impl FnOnce(&T)) {
+    /// A value that the nodes of a kind made.
+    fn of<T: Send + Sync + 'static>(&self, kind: &str) -> Arc<T> {
         let seen = self.0.lock().unwrap();
-        let value = seen[kind].iter().find_map(|value| value.downcast_ref());
-        with(value.unwrap());
+        seen[kind].iter().find_map(|value| Arc::clone(value).downcast().ok()).unwrap()
     }
 }
 
@@ -205,15 +204,13 @@ fn assert_exact(
     let bench = Bench::new();
     bench.hills("hills.png", size);
     let seen = values_of(&bench, &[&[("image", "hills.png")], settings].concat());
-    seen.of("z_map", |field: &HeightField| {
-        seen.of("drop_cutter", |path: &Toolpath| {
-            for tip in sample(path, count) {
-                let wanted = truth(field, tip.truncate());
-                let off = tip.z - wanted;
-                assert!(off.abs() <= EXACT_MM, "at {tip}: {wanted}, off by {off:e}");
-            }
-        });
-    });
+    let field: Arc<HeightField> = seen.of("z_map");
+    let path: Arc<Toolpath> = seen.of("drop_cutter");
+    for tip in sample(&path, count) {
+        let wanted = truth(&field, tip.truncate());
+        let off = tip.z - wanted;
+        assert!(off.abs() <= EXACT_MM, "at {tip}: {wanted}, off by {off:e}");
+    }
 }
 
 #[test]

@@ -96,7 +96,10 @@ impl Reader {
         for word in text.split(' ') {
             let (letter, number) = word.split_at(1);
             let value: f64 = number.parse().unwrap_or_else(|_| panic!("line {line}: {text:?}"));
-            assert!(value.is_finite() && !number.contains(['e', 'E', '+']), "line {line}: {text:?}");
+            assert!(
+                value.is_finite() && !number.contains(['e', 'E', '+']),
+                "line {line}: {text:?}"
+            );
             match (letter, number) {
                 ("G", "0") => self.motion = Some(Motion::Rapid),
                 ("G", "1") => self.motion = Some(Motion::Feed),

@@ -29,10 +29,16 @@ fn assert_error(name: &str, arguments: &[&str], change: impl FnOnce(String) -> S
     bench.picture("line.png", (30, 1), |x, _| x as u8);
     let whole = bench.read("hills.png");
     bench.write("cut.png", &whole[..whole.len() / 2]);
-    bench.write("mine.ron", change(recipe_text("relief").replace("samples/medallion.png", "hills.png")));
+    bench.write(
+        "mine.ron",
+        change(recipe_text("relief").replace("samples/medallion.png", "hills.png")),
+    );
     let answer = bench.carve(&[arguments, &["--quiet"]].concat());
     assert_ne!(answer.status, 0);
-    assert_golden(&format!("{name}.txt"), &format!("{}exit status {}\n", answer.err, answer.status));
+    assert_golden(
+        &format!("{name}.txt"),
+        &format!("{}exit status {}\n", answer.err, answer.status),
+    );
 }
 
 #[test]

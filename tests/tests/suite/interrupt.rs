@@ -116,9 +116,9 @@ fn an_interrupted_run_leaves_what_was_there() {
 fn an_interrupted_run_leaves_a_sound_cache() {
     let bench = Bench::new();
     bench.hills("hills.png", (300, 300));
-    let job = ["relief", "--set", "image=hills.png", "--set", "stepover=0.2"];
+    let job = ["relief", "--set", "image=hills.png", "--set", "preview.size=300"];
     bench.run(&[&job[..], &["--out", "fresh"]].concat());
-    for delay_ms in [50, 120, 250, 400] {
+    for delay_ms in [50, 150, 350] {
         let cached = [&["run", "--quiet"], &job[..], &["--cache", "kept"]].concat();
         let mut child = bench.command(&cached).stderr(Stdio::null()).spawn().unwrap();
         sleep(Duration::from_millis(delay_ms));

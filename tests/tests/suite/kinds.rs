@@ -8,14 +8,17 @@ use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Kinds whose work lies in a kernel of geometry/ and which add nothing to it that a test of their
-/// own could look at; the kernel's tests and this suite's runs are theirs.
-const TESTED_ELSEWHERE: [(&str, &str); 6] = [
+/// Kinds whose work lies in a kernel or a plugin, and which add nothing to it that a test in their
+/// own file could look at better than the tests named here.
+const TESTED_ELSEWHERE: [(&str, &str); 9] = [
     ("cutter", "plugins/cutters/tests/shapes.rs"),
     ("link", "geometry/src/link.rs"),
     ("point_cloud", "geometry/src/stitch.rs"),
+    ("post", "tests/tests/suite/program.rs"),
     ("raster", "geometry/src/raster.rs"),
+    ("save_gcode", "tests/tests/suite/relief.rs"),
     ("reduce_cl", "geometry/src/reduce/mod.rs"),
+    ("summary", "tests/tests/suite/golden.rs"),
     ("stitch", "geometry/src/stitch.rs"),
 ];
 
@@ -59,7 +62,8 @@ fn everything_is_documented() {
 #[test]
 fn names_are_words_of_recipes() {
     let fits = |name: &str| {
-        !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        !name.is_empty()
+            && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
     };
     for kind in standard().kinds() {
         assert!(fits(kind.name), "{}", kind.name);
@@ -67,7 +71,8 @@ fn names_are_words_of_recipes() {
         for name in ports.chain(kind.params.iter().map(|param| param.name)) {
             assert!(fits(name), "{}.{name}", kind.name);
         }
-        let distinct = |names: Vec<&str>| names.iter().collect::<BTreeSet<_>>().len() == names.len();
+        let distinct =
+            |names: Vec<&str>| names.iter().collect::<BTreeSet<_>>().len() == names.len();
         assert!(distinct(kind.inputs.iter().map(|port| port.name).collect()), "{}", kind.name);
         assert!(distinct(kind.outputs.iter().map(|port| port.name).collect()), "{}", kind.name);
         assert!(distinct(kind.params.iter().map(|param| param.name).collect()), "{}", kind.name);
@@ -81,7 +86,8 @@ fn numbers_have_units_and_bounds() {
             let what = format!("{}.{}", kind.name, param.name);
             if let ParamKind::Number { dimension, min, max } = param.kind {
                 assert!(min.is_finite() && max.is_finite() && min < max, "{what}: {min} to {max}");
-                assert_ne!(dimension, Dimension::Plain, "{what} has no unit");
+                let is_share = (min, max) == (0.0, 1.0);
+                assert!(dimension != Dimension::Plain || is_share, "{what} has no unit");
             }
             if let ParamKind::Integer { min, max, .. } = param.kind {
                 assert!(min < max, "{what}: {min} to {max}");
@@ -105,7 +111,9 @@ fn defaults_lie_within_their_range() {
                 continue;
             };
             let fits = match (&param.kind, default) {
-                (ParamKind::Number { min, max, .. }, ParamValue::Number(n)) => (min..=max).contains(&n),
+                (ParamKind::Number { min, max, .. }, ParamValue::Number(n)) => {
+                    (min..=max).contains(&n)
+                }
                 (ParamKind::Integer { min, max, odd, .. }, ParamValue::Integer(n)) => {
                     (min..=max).contains(&n) && (!odd || n % 2 == 1)
                 }

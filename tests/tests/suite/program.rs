@@ -1,6 +1,6 @@
 //! What a program does to a machine: where it may go fast, where it cuts, how it begins and ends.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, QUICK};
 use crate::gcode::{Motion, Move, Program, read};
 
 /// The coarsest step of a program in mm, hence half of it by how much a coordinate may be rounded.
@@ -11,17 +11,12 @@ const SAFE_MM: f64 = 5.0;
 const RADIUS_MM: f64 = 3.0;
 
 /// A job of about 2000 points, so that each test reads all of it.
-const SMALL: [&str; 9] = [
-    "relief",
-    "--set",
-    "image=hills.png",
-    "--set",
-    "canvas_width=30",
-    "--set",
-    "stepover=0.7",
-    "--set",
-    "feed_step=0.6",
-];
+const SMALL: [&str; 13] = {
+    let [a, b, c, d, e, f] = QUICK;
+    let steps = ["--set", "stepover=0.7", "--set", "feed_step=0.6"];
+    let [g, h, i, j] = steps;
+    ["relief", "--set", "image=hills.png", a, b, c, d, e, f, g, h, i, j]
+};
 
 /// Carves hills of 50 × 40 pixels, a part of 29.4 × 23.4 mm.
 fn carve(settings: &[&str]) -> (Bench, Program) {
@@ -29,7 +24,8 @@ fn carve(settings: &[&str]) -> (Bench, Program) {
     bench.hills("hills.png", (50, 40));
     let set = settings.iter().flat_map(|setting| ["--set", setting]);
     bench.run(&SMALL.iter().copied().chain(set).collect::<Vec<_>>());
-    let name = bench.files("out").into_keys().find(|name| name.ends_with("nc") || name.ends_with("ngc"));
+    let name =
+        bench.files("out").into_keys().find(|name| name.ends_with("nc") || name.ends_with("ngc"));
     let program = read(&bench.text(&format!("out/{}", name.unwrap())));
     assert!(program.moves.len() > 500, "{} moves", program.moves.len());
     (bench, program)
@@ -95,6 +91,29 @@ fn a_program_for_linuxcnc_is_safe() {
     assert_eq!(program.end, "M2");
     let text = bench.text("out/hills.ngc");
     assert!(text.contains("\nG64 P0.01 Q0.01\n"), "{}", &text[..400]);
+}
+
+#[test]
+fn every_dialect_writes_a_program() {
+    let bench = Bench::new();
+    bench.hills("hills.png", (50, 40));
+    for line in bench.carve(&["dialects"]).out.lines() {
+        let mut words = line.split_whitespace();
+        let (name, extension) = (words.next().unwrap(), words.next().unwrap());
+        let dialect = format!("dialect={name}");
+        let out = format!("out/{name}");
+        let report = bench.run(
+            &[&SMALL[..], &["--set", &dialect, "--only", "save_gcode", "--out", &out]].concat(),
+        );
+        assert_eq!(report.fact("post", "program", "dialect"), name);
+        let files = bench.files(&out);
+        assert_eq!(files.keys().collect::<Vec<_>>(), [&format!("hills{extension}")]);
+        let text = String::from_utf8_lossy(&files[&format!("hills{extension}")]).to_lowercase();
+        assert!(text.lines().count() > 500, "{name}");
+        for word in ["nan", "inf"] {
+            assert!(!text.contains(word), "{name}: {word}");
+        }
+    }
 }
 
 #[test]

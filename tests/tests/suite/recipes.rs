@@ -1,6 +1,6 @@
 //! Recipes of one's own: knobs, units, paths, and recipes as nodes of others.
 
-use crate::bench::{Bench, recipe_text};
+use crate::bench::{Bench, QUICK, recipe_text};
 use crate::gcode;
 
 /// Softens a picture and makes a surface of it, as a node of another recipe.
@@ -79,7 +79,7 @@ fn a_fault_in_an_inner_recipe_is_shown_there() {
     bench.write("mine/inner/soft.ron", SOFT_RELIEF.replace("30mm", "30deg"));
     let answer = bench.carve(&["check", "mine/outer.ron"]);
     assert_eq!(answer.status, 2);
-    assert!(answer.err.contains("--> mine/inner/soft.ron:15:"), "{}", answer.err);
+    assert!(answer.err.contains("--> mine/inner/soft.ron:14:"), "{}", answer.err);
     assert_eq!(answer.err.matches("error: ").count(), 1, "{}", answer.err);
 
     bench.write("mine/outer.ron", OUTER.replace("\"softness\"", "\"softnes\""));
@@ -110,8 +110,9 @@ fn a_built_in_recipe_can_be_saved_changed_and_run() {
     assert_eq!(saved.out, recipe_text("relief"));
     bench.hills("hills.png", (30, 30));
     bench.write("mine.ron", saved.out.replace("samples/medallion.png", "hills.png"));
-    bench.run(&["mine.ron", "--out", "mine"]);
-    bench.run(&["relief", "--set", "image=hills.png", "--out", "built-in"]);
+    bench.run(&[&["mine.ron", "--out", "mine"][..], &QUICK].concat());
+    let built_in = ["relief", "--set", "image=hills.png", "--out", "built-in"];
+    bench.run(&[&built_in[..], &QUICK].concat());
     assert_eq!(bench.files("mine"), bench.files("built-in"));
 }
 
@@ -130,12 +131,15 @@ fn a_layout_is_kept_out_of_the_way_of_the_engine() {
 fn lengths_in_any_unit_make_the_same_program() {
     let bench = Bench::new();
     bench.hills("hills.png", (40, 40));
-    let programs = ["canvas_width=2in", "canvas_width=5.08 cm", "canvas_width=50.8", "canvas_width=2000thou"]
-        .map(|canvas| {
-            let only = ["--only", "save_gcode", "--set", "stepover=1"];
-            bench.run(&[&["relief", "--set", "image=hills.png", "--set", canvas], &only[..]].concat());
-            bench.text("out/hills.nc")
-        });
+    let programs =
+        ["canvas_width=2in", "canvas_width=5.08 cm", "canvas_width=50.8", "canvas_width=2000thou"]
+            .map(|canvas| {
+                let only = ["--only", "save_gcode", "--set", "stepover=1"];
+                bench.run(
+                    &[&["relief", "--set", "image=hills.png", "--set", canvas], &only[..]].concat(),
+                );
+                bench.text("out/hills.nc")
+            });
     assert!(programs.iter().all(|program| *program == programs[0]));
     let width = gcode::read(&programs[0]).moves.iter().filter_map(|m| m.to[0]).fold(0.0, f64::max);
     assert!(width > 49.0 && width < 50.8 * 39.0 / 40.0 + 0.001, "{width}");

@@ -4,7 +4,8 @@
 //! 2: the recipe or the call is wrong, or a parameter is absurd for the job. 1: a node failed, on a
 //! file that cannot be what it says.
 
-use crate::bench::{Bench, recipe_text};
+use crate::bench::{Bench, QUICK, recipe_text};
+use std::time::Duration;
 
 /// Calls `carve run`, which must fail with `status`, say all of `words` and write nothing.
 #[track_caller]
@@ -67,7 +68,7 @@ fn a_picture_of_one_gray_is_flat_and_warned_of() {
     let bench = Bench::new();
     bench.picture("even.png", (30, 30), |_, _| 77);
     let arguments = ["run", "relief", "--set", "image=even.png", "--report", "report.json"];
-    let answer = bench.carve(&arguments);
+    let answer = bench.carve(&[&arguments[..], &QUICK].concat());
     assert_eq!(answer.status, 0, "{}", answer.err);
     let warning = "the picture is one even gray: the surface is flat, at z_min = 0 mm";
     assert!(answer.err.contains(&format!("warning: relief: {warning}\n")), "{}", answer.err);
@@ -130,7 +131,7 @@ fn values_of_another_sort() {
         ("diameter=", ["\"\" is not a number", "a length is wanted"]),
         ("diameter=2,5", ["\"2,5\" is not a number", "a length is wanted"]),
         ("image=", ["node \"photo\"", "names no file"]),
-        ("dialect=fanuc", ["dialect cannot be \"fanuc\"", "it is one of grbl, linuxcnc"]),
+        ("dialect=okuma", ["dialect cannot be \"okuma\"", "it is one of "]),
         ("cutter=bal", ["shape cannot be \"bal\"", "did you mean \"ball\"?"]),
         ("reduce=zband", ["method cannot be \"zband\"", "did you mean \"z_band\"?"]),
     ] {
@@ -146,7 +147,7 @@ fn more_points_than_a_machine_has_memory_for() {
     bench.hills("hills.png", (50, 50));
     // 50 px on 203 mm are 198.94 mm: 664 points on each of 1.9894e11 passes.
     let arguments = ["relief", "--set", "image=hills.png", "--set", "stepover=1e-9"];
-    let words = ["node \"passes\" (raster)", "would make 1.321e14 points", "the limit is 1e8"];
+    let words = ["node \"passes\" (raster)", "would make 1.321e14 points", "the limit is "];
     assert_refused(&bench, &arguments, 2, &words);
 }
 
@@ -185,7 +186,9 @@ const SLIPS: [Slip; 22] = [
     slip(
         "{ \"image\": \"gray\" }",
         "{ \"image\": \"photo\" }",
-        &["input \"image\" of node \"smooth\" wants a gray_image, but \"photo\" gives image (image)"],
+        &[
+            "input \"image\" of node \"smooth\" wants a gray_image, but \"photo\" gives image (image)",
+        ],
     ),
     slip(
         "from: { \"image\": \"gray\" }, ",
@@ -208,11 +211,19 @@ const SLIPS: [Slip; 22] = [
         "\"gray\": (kind",
         &["duplicate key \"gray\"; the first is on line 34", "41 | "],
     ),
-    slip("\"kernel\": 5", "\"kernel\": [5]", &["kernel must be a number, not a list"]),
-    slip("\"kernel\": 5", "\"kernel\": true", &["kernel must be a number, not true or false"]),
+    slip("\"kernel\": 5", "\"kernel\": [5]", &["kernel must be a number, ", ", not a list"]),
+    slip(
+        "\"kernel\": 5",
+        "\"kernel\": true",
+        &["kernel must be a number, ", ", not true or false"],
+    ),
     slip("\"kernel\": 5", "\"kernel\": \"five\"", &["\"five\" is not a number"]),
     slip("\"kernel\": 5", "\"kernel\": NaN", &["kernel must be a finite number, not NaN"]),
-    slip("\"dialect\": \"grbl\"", "\"dialect\": 3", &["dialect must be a text, not a whole number"]),
+    slip(
+        "\"dialect\": \"grbl\"",
+        "\"dialect\": 3",
+        &["dialect must be a text", ", not a whole number"],
+    ),
     slip("\"1500mm/min\"", "\"1500rpm\"", &["\"1500rpm\" is a spindle speed; a feed is wanted"]),
     slip("\"203mm\"", "\"203miles\"", &["unknown unit in \"203miles\""]),
     slip("format: 1,", "format: 999,", &["has format 999; this program reads formats up to 1"]),
@@ -223,7 +234,7 @@ const SLIPS: [Slip; 22] = [
     slip(
         "outputs: [\"save_gcode\"",
         "outputs: [\"save_gode\"",
-        &["outputs names \"save_gode\", which is no node", "did you mean \"save_gcode\"?"],
+        &["there is no node \"save_gode\"", "did you mean \"save_gcode\"?"],
     ),
 ];
 
@@ -231,7 +242,10 @@ const SLIPS: [Slip; 22] = [
 fn bench_with_recipe(change: impl FnOnce(String) -> String) -> Bench {
     let bench = Bench::new();
     bench.hills("hills.png", (20, 20));
-    bench.write("mine.ron", change(recipe_text("relief").replace("samples/medallion.png", "hills.png")));
+    bench.write(
+        "mine.ron",
+        change(recipe_text("relief").replace("samples/medallion.png", "hills.png")),
+    );
     bench
 }
 
@@ -256,17 +270,21 @@ fn one_slip_is_one_error() {
         let bench = bench_with_recipe(|text| text.replacen(from, to, 1));
         let answer = bench.carve(&["check", "mine.ron"]);
         let errors = answer.err.lines().filter(|line| line.starts_with("error: ")).count();
-        // A node that loses its name leaves those that read from it without a source.
-        let known = if to.starts_with("\"gray\": (kind") { 1..=3 } else { 1..=1 };
-        assert!(known.contains(&errors), "{from} -> {to}: {}", answer.err);
+        assert_eq!(errors, 1, "{from} -> {to}: {}", answer.err);
     }
 }
 
 #[test]
 fn names_that_lead_out_of_the_output_folder() {
-    for name in ["../x", "/tmp/x", "a/b", "C:\\\\x", "..", ".", "", ".hidden", "a\\u{0}b", "x\\ny"] {
+    for name in ["../x", "/tmp/x", "a/b", "C:\\\\x", "..", ".", "", ".hidden", "a\\u{0}b", "x\\ny"]
+    {
         let bench = bench_with_recipe(|text| text.replace("{prefix}-path", name));
-        assert_refused(&bench, &["mine.ron"], 2, &["node \"preview_path\": name: ", "mine.ron:78:"]);
+        assert_refused(
+            &bench,
+            &["mine.ron"],
+            2,
+            &["node \"preview_path\": name: ", "mine.ron:78:"],
+        );
     }
 }
 
@@ -275,7 +293,7 @@ fn two_nodes_that_write_one_file() {
     // On a file system that does not tell capitals from small letters too.
     for name in ["{prefix}", "HILLS"] {
         let bench = bench_with_recipe(|text| text.replace("{prefix}-path", name));
-        let answer = bench.carve(&["run", "mine.ron", "--quiet"]);
+        let answer = bench.carve(&[&["run", "mine.ron", "--quiet"][..], &QUICK].concat());
         assert_eq!(answer.status, 1, "{}", answer.err);
         assert!(answer.err.contains("is already written by node"), "{}", answer.err);
     }
@@ -359,9 +377,17 @@ fn inner(id: &str, recipe: &str) -> String {
 #[test]
 fn a_recipe_that_uses_itself() {
     let bench = bench_with_recipe(|text| {
-        text.replace("\"points\": (kind", &format!("{},\n\"points\": (kind", inner("me", "mine.ron")))
+        text.replace(
+            "\"points\": (kind",
+            &format!("{},\n\"points\": (kind", inner("me", "mine.ron")),
+        )
     });
-    assert_refused(&bench, &["mine.ron"], 2, &["does one use itself?", "mine.ron:41:"]);
+    assert_refused(
+        &bench,
+        &["mine.ron"],
+        2,
+        &["use each other in a loop: mine -> mine", "mine.ron:41:"],
+    );
     let answer = bench.carve(&["check", "mine.ron"]);
     assert_eq!(answer.err.matches("error: ").count(), 1, "said once: {}", answer.err);
 }
@@ -379,7 +405,7 @@ fn recipes_that_multiply() {
         bench.write(&format!("level{k}.ron"), uses(&format!("level{}.ron", k + 1)));
     }
     bench.write("level12.ron", "(format: 1, nodes: {\"a\": (kind: \"cutter\")}, outputs: [\"a\"])");
-    // A large recipe is read once, however often it is used.
+    // A wide one would be gigabytes of text.
     let leaf = format!(
         "(format: 1, nodes: {{\"a\": (kind: \"cutter\")}}, outputs: [\"a\"]) //{}",
         "x".repeat(3 << 20)
@@ -389,20 +415,13 @@ fn recipes_that_multiply() {
     let wide = format!("(format: 1, nodes: {{ {} }}, outputs: [\"n0\"])", nodes.join(", "));
     bench.write("wide.ron", wide);
 
-    let timed = |recipe: &str| {
-        let started = std::time::Instant::now();
-        let answer = bench.carve(&["check", recipe]);
-        // Milliseconds; a program that goes through them all would be at it for years.
-        assert!(started.elapsed().as_secs() < 10, "{recipe} takes {:?}", started.elapsed());
-        answer
-    };
-    for recipe in ["itself.ron", "level0.ron"] {
-        let answer = timed(recipe);
+    for recipe in ["itself.ron", "level0.ron", "wide.ron"] {
+        // It takes milliseconds; going through all of them would take years.
+        let answer = bench.carve_within(Duration::from_secs(10), &["check", recipe]);
         assert_eq!(answer.status, 2, "{recipe}: {}", answer.err);
         let errors = answer.err.matches("error: ").count();
         assert!((1..=10).contains(&errors), "{recipe}: {errors} errors");
     }
-    assert_eq!(timed("wide.ron").status, 0);
 }
 
 #[test]
@@ -410,7 +429,7 @@ fn a_failing_node_takes_along_only_what_needs_it() {
     let bench = bench_with_recipe(|text| text);
     // The pictures can be drawn; the program cannot be written, grbl having no tool change.
     let arguments = ["run", "mine.ron", "--set", "post.tool=3", "--report", "report.json"];
-    let answer = bench.carve(&arguments);
+    let answer = bench.carve(&[&arguments[..], &QUICK].concat());
     assert_eq!(answer.status, 1, "{}", answer.err);
     assert!(answer.err.contains("error: node \"post\" (post): "), "{}", answer.err);
     assert!(answer.err.contains("grbl has no tool change"), "{}", answer.err);
@@ -427,12 +446,32 @@ fn places_that_cannot_be_written_to() {
     let bench = Bench::new();
     bench.hills("hills.png", (20, 20));
     bench.write("file", "mine");
-    let answer = bench.carve(&["run", "relief", "--set", "image=hills.png", "--out", "file"]);
+    let arguments = ["run", "relief", "--set", "image=hills.png", "--out", "file"];
+    let answer = bench.carve(&[&arguments[..], &QUICK].concat());
     assert_eq!(answer.status, 1, "{}", answer.err);
     assert!(answer.err.contains("cannot write file"), "{}", answer.err);
     assert_eq!(bench.text("file"), "mine");
-    // A report that cannot be written is known before the work, not after it.
-    let report = "missing/report.json";
-    let arguments = ["relief", "--set", "image=hills.png", "--report", report];
-    assert_refused(&bench, &arguments, 2, &["cannot write the report missing/report.json"]);
+}
+
+#[test]
+fn reports_are_written_where_they_can_be() {
+    let bench = Bench::new();
+    bench.hills("hills.png", (20, 20));
+    bench.write("file", "mine");
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    let run = |report: &str| {
+        let arguments = ["run", "relief", "--set", "image=hills.png", "--only", "save_mesh"];
+        bench.carve(&[&arguments[..], &["--report", report]].concat())
+    };
+    assert_eq!(run("new/folder/report.json").status, 0);
+    assert_eq!(bench.files("new/folder").into_keys().collect::<Vec<_>>(), ["report.json"]);
+    for report in ["file/report.json", "folder"] {
+        let answer = run(report);
+        assert_eq!(answer.status, 2, "{}", answer.err);
+        let words = format!("error: cannot write the report {report}: ");
+        assert!(answer.err.contains(&words), "{}", answer.err);
+        // The mesh is there nevertheless, and is told of.
+        assert_eq!(answer.out, "out/hills.stl\n");
+    }
+    assert_eq!(bench.names(), ["file", "folder", "hills.png", "new", "out"]);
 }

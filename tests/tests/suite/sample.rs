@@ -1,6 +1,6 @@
 //! The bundled sample is what its generator makes.
 
-#[allow(dead_code, reason = "an example is a program of its own: its main is not called here")]
+#[allow(dead_code, unreachable_pub, reason = "an example is a program of its own")]
 #[path = "../../../nodes/examples/medallion.rs"]
 mod medallion;
 

@@ -23,14 +23,24 @@ fn assert_same(bench: &Bench, settings: &[&str]) {
 fn threads_do_not_show_on_points() {
     let bench = Bench::new();
     bench.hills("hills.png", (400, 300));
-    assert_same(&bench, &["--set", "image=hills.png", "--set", "save_points=ply"]);
+    assert_same(
+        &bench,
+        &["--set", "image=hills.png", "--set", "save_points=ply", "--set", "stepover=0.7"],
+    );
 }
 
 #[test]
 fn threads_do_not_show_on_a_mesh_with_chords() {
     let bench = Bench::new();
     bench.hills("hills.png", (120, 90));
-    let sets = ["image=hills.png", "surface=mesh", "reduce=chord", "save_points=xyz", "save_mesh=ascii"];
+    let sets = [
+        "image=hills.png",
+        "surface=mesh",
+        "reduce=chord",
+        "save_points=xyz",
+        "save_mesh=ascii",
+        "stepover=1",
+    ];
     let sets = sets.iter().flat_map(|set| ["--set", set]).collect::<Vec<_>>();
     assert_same(&bench, &sets);
 }

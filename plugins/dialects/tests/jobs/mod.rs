@@ -1,7 +1,9 @@
 //! Jobs for the tests, and the moves that each is meant to make, in mm.
 
 #![allow(dead_code, reason = "each test uses a part")]
+pub(crate) mod heidenhain;
 pub(crate) mod reader;
+pub(crate) mod shopbot;
 
 use carvegraph_dialects::standard;
 use carvegraph_sdk::{Arc, Command, Dialect, Direction, Plane, PostError, Program, Units};
@@ -69,19 +71,20 @@ impl Job {
             commands: &self.commands,
             texts: &texts,
             arcs: &self.arcs,
+            ..Program::default()
         };
         dialect.post(&program, &mut out)?;
         Ok(String::from_utf8(out).unwrap())
     }
 
     /// The moves it is meant to make: rapids split into Z and XY, nothing that stands still.
-    pub(crate) fn meant(&self) -> Vec<Move> {
+    pub(crate) fn meant(&self, habits: &Habits) -> Vec<Move> {
         let mut moves = Vec::new();
         let mut at: Option<[f64; 3]> = None;
         for command in &self.commands {
             match *command {
                 Command::Rapid { to } => {
-                    rapids(at, to, &mut moves);
+                    rapids(at, to, habits, &mut moves);
                     at = Some(to);
                 }
                 Command::Feed { to, mm_per_min } => {
@@ -101,49 +104,126 @@ impl Job {
         }
         moves
     }
+
+    /// Posts, reads back and compares; answers the program.
+    pub(crate) fn check(&self, dialect: &dyn Dialect) -> String {
+        let text = self.post(dialect).unwrap_or_else(|e| panic!("{}: {e}", dialect.name()));
+        let habits = habits(dialect.name());
+        compare(&self.meant(&habits), &read(dialect.name(), &text), self.units, &habits);
+        text
+    }
 }
 
-fn rapids(from: Option<[f64; 3]>, to: [f64; 3], moves: &mut Vec<Move>) {
-    let from = from.unwrap_or([f64::NAN, f64::NAN, f64::NEG_INFINITY]);
-    let travels = from[..2] != to[..2];
-    if to[2] > from[2] {
-        // Where x and y are unknown they stay NaN until they are given.
-        moves.push(Move::Rapid { to: [from[0], from[1], to[2]] });
+/// The moves that a program makes, as its controller would read it.
+pub(crate) fn read(dialect: &str, text: &str) -> Vec<Move> {
+    match dialect {
+        "heidenhain" => heidenhain::read(text),
+        "shopbot" => shopbot::read(text),
+        _ => reader::read(text, &reader::rules(dialect)),
     }
-    if travels {
-        moves.push(Move::Rapid { to: [to[0], to[1], from[2].max(to[2])] });
+}
+
+/// What is meant to be different in the moves of a dialect.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Habits {
+    /// The first rapid comes from the machine's top.
+    xy_first: bool,
+    single_axis_rapids: bool,
+    /// Arcs are in XY only.
+    xy_arcs: bool,
+    /// Helices become lines.
+    flat_arcs: bool,
+    /// In degrees.
+    sweep_limit: f64,
+    /// What a feed is rounded to, in mm/min or in/min.
+    feed_steps: [f64; 2],
+}
+
+pub(crate) fn habits(dialect: &str) -> Habits {
+    let usual = Habits {
+        xy_first: false,
+        single_axis_rapids: false,
+        xy_arcs: false,
+        flat_arcs: false,
+        sweep_limit: 360.0,
+        feed_steps: [0.001, 0.000_1],
+    };
+    match dialect {
+        "fanuc" => Habits { xy_first: true, sweep_limit: 180.0, ..usual },
+        "haas" => Habits { xy_first: true, single_axis_rapids: true, sweep_limit: 180.0, ..usual },
+        "marlin" | "uccnc" | "heidenhain" => Habits { xy_arcs: true, ..usual },
+        "shopbot" => Habits {
+            xy_arcs: true,
+            flat_arcs: true,
+            sweep_limit: 180.0,
+            feed_steps: [0.06, 0.006],
+            ..usual
+        },
+        _ => usual,
+    }
+}
+
+/// Where a position is unknown it is NaN until it is given.
+fn rapids(from: Option<[f64; 3]>, to: [f64; 3], habits: &Habits, moves: &mut Vec<Move>) {
+    let top = if habits.xy_first { f64::INFINITY } else { f64::NEG_INFINITY };
+    let mut at = from.unwrap_or([f64::NAN, f64::NAN, top]);
+    let mut go = |axes: &[usize]| {
+        for &axis in axes {
+            at[axis] = to[axis];
+        }
+        // The top is somewhere.
+        moves.push(Move::Rapid { to: at.map(|c| if c.is_finite() { c } else { f64::NAN }) });
+    };
+    let from = from.unwrap_or([f64::NAN, f64::NAN, top]);
+    if to[2] > from[2] {
+        go(&[2]);
+    }
+    match (to[0] != from[0], to[1] != from[1]) {
+        (true, true) if habits.single_axis_rapids => {
+            go(&[0]);
+            go(&[1]);
+        }
+        (true, true) => go(&[0, 1]),
+        (true, false) => go(&[0]),
+        (false, true) => go(&[1]),
+        (false, false) => {}
     }
     if to[2] < from[2] {
-        moves.push(Move::Rapid { to });
+        go(&[2]);
     }
 }
 
-/// The job of the golden files: short, with something of everything both dialects take.
-pub(crate) fn small() -> Job {
-    let mut job = Job::at(10.0, 20.0);
-    job.title = "Medallion".to_owned();
+/// The job of the golden files: short, with something of everything. Tools are changed where the
+/// dialect can.
+pub(crate) fn small(dialect: &dyn Dialect) -> Job {
+    let tools = dialect.capabilities().tool_change;
+    let mut job = Job::default();
+    if tools {
+        job.commands.push(Command::ToolChange { number: 1 });
+    }
+    job.commands.extend(Job::at(10.0, 20.0).commands);
+    job.title = "Medallion: 50% (draft) \"A\"".to_owned();
     job.remarks = vec!["Ball 6 mm, stepover 0.3 mm".to_owned(), "Zero: top, corner".to_owned()];
-    job.comment("first pass");
+    job.comment("first pass (rough); don't [touch] / O9000 é!");
     job.feed([10.0, 20.0, -1.0], 200.0);
     job.feed([10.5, 20.0, -1.25], 900.0);
     job.feed([10.5, 20.0, -1.25], 900.0);
     job.feed([11.0, 20.0, -1.250_4], 900.0);
     job.feed([11.5, 20.333_333, -1.0], 900.0);
-    job.arc(Arc {
-        plane: Plane::Xy,
-        direction: Direction::Clockwise,
-        center: [11.5, 19.333_333, -1.0],
-        to: [12.5, 19.333_333, -1.0],
-        mm_per_min: 600.0,
-    });
-    job.arc(Arc {
-        plane: Plane::Zx,
-        direction: Direction::CounterClockwise,
-        center: [13.5, 0.0, -1.0],
-        to: [13.5, 19.333_333, -2.0],
-        mm_per_min: 600.0,
-    });
-    job.rapid([13.5, 19.333_333, 5.0]);
+    let arc =
+        |plane, direction, center, to| Arc { plane, direction, center, to, mm_per_min: 600.0 };
+    use Direction::{Clockwise, CounterClockwise};
+    let quarter = ([11.5, 19.333_333, -1.0], [12.5, 19.333_333, -1.0]);
+    job.arc(arc(Plane::Xy, Clockwise, quarter.0, quarter.1));
+    job.arc(arc(Plane::Xy, CounterClockwise, [15.5, 19.333_333, 0.0], [15.5, 22.333_333, -1.0]));
+    job.arc(arc(Plane::Xy, Clockwise, [15.5, 20.0, 0.0], [15.5, 22.333_333, -1.0]));
+    job.arc(arc(Plane::Xy, CounterClockwise, [15.5, 20.0, 0.0], [13.166_667, 20.0, -2.0]));
+    job.arc(arc(Plane::Zx, CounterClockwise, [14.166_667, 0.0, -2.0], [14.166_667, 20.0, -3.0]));
+    job.rapid([14.166_667, 20.0, 5.0]);
+    if tools {
+        job.commands.push(Command::ToolChange { number: 2 });
+        job.commands.push(Command::Spindle { rpm: 8_000.0, direction: Clockwise });
+    }
     job.rapid([30.0, 20.0, 2.0]);
     job.feed([30.0, 20.0, -1.0], 200.0);
     job.feed([31.0, 20.0, -1.0], 200.0);
@@ -214,35 +294,122 @@ pub(crate) fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Whether moves that were read back are the meant ones, to within rounding.
-pub(crate) fn compare(meant: &[Move], read: &[Move], units: Units) {
-    assert_eq!(meant.len(), read.len(), "number of moves");
+/// Whether moves that were read back are the meant ones, to within rounding; an arc may have become
+/// several, or lines, if that is the dialect's habit.
+pub(crate) fn compare(meant: &[Move], read: &[Move], units: Units, habits: &Habits) {
     // Half a step for a point, three steps for a centre (see `arc.rs`), and what rs274 rounds off.
     let (step, feed_step) = match units {
-        Units::Mm => (0.001, 0.001),
-        Units::Inch => (0.002_54, 0.002_54),
+        Units::Mm => (0.001, habits.feed_steps[0]),
+        Units::Inch => (0.002_54, 25.4 * habits.feed_steps[1]),
     };
-    let (point, center) = (0.55 * step, 3.0 * step);
-    for (index, (meant, read)) in meant.iter().zip(read).enumerate() {
-        let same = match (meant, read) {
-            (Move::Rapid { to: a }, Move::Rapid { to: b }) => near(*a, *b, point),
-            (Move::Feed { to: a, mm_per_min: f }, Move::Feed { to: b, mm_per_min: g }) => {
-                near(*a, *b, point) && (f - g).abs() < feed_step
-            }
-            (Move::Arc(a), Move::Arc(b)) => same_arc(a, b, point, center),
-            _ => false,
+    let near_feed = |f: f64, g: f64| (f - g).abs() < feed_step;
+    let point = 0.55 * step;
+    let mut rest = read;
+    let mut from = [f64::NAN; 3];
+    for (index, meant) in meant.iter().enumerate() {
+        let Some((first, left)) = rest.split_first() else {
+            panic!("only {index} moves: {read:?}")
         };
-        assert!(same, "move {index}: meant {meant:?}, read {read:?}");
+        let (to, taken) = match (meant, first) {
+            (Move::Rapid { to: a }, Move::Rapid { to: b }) if near(*a, *b, point) => (*a, 1),
+            (Move::Feed { to: a, mm_per_min: f }, Move::Feed { to: b, mm_per_min: g })
+                if near(*a, *b, point) && near_feed(*f, *g) =>
+            {
+                (*a, 1)
+            }
+            (Move::Arc(arc), _) => {
+                let lines = habits.xy_arcs && arc.plane != Plane::Xy
+                    || habits.flat_arcs && helix(arc, from);
+                let pieces = Pieces { lines, limit: habits.sweep_limit, step, feed_step };
+                (arc.to, pieces.take(arc, from, rest))
+            }
+            _ => panic!("move {index}: meant {meant:?}, read {first:?}"),
+        };
+        assert!(taken > 0, "move {index}: meant {meant:?} from {from:?}, read {first:?}");
+        rest = if taken == 1 { left } else { &rest[taken..] };
+        from = to;
     }
+    assert!(rest.is_empty(), "more than was meant: {rest:?}");
 }
 
-fn same_arc(a: &Arc, b: &Arc, point: f64, center: f64) -> bool {
-    let [first, second, _] = a.plane.axes();
-    a.plane == b.plane
-        && a.direction == b.direction
-        && near(a.to, b.to, point)
-        && (a.mm_per_min - b.mm_per_min).abs() < point * 10.0
-        && [first, second].iter().all(|&k| (a.center[k] - b.center[k]).abs() < center)
+fn helix(arc: &Arc, from: [f64; 3]) -> bool {
+    let [.., normal] = arc.plane.axes();
+    (arc.to[normal] - from[normal]).abs() > 1e-3
+}
+
+/// How an arc may be divided.
+struct Pieces {
+    lines: bool,
+    limit: f64,
+    step: f64,
+    feed_step: f64,
+}
+
+impl Pieces {
+    /// How many moves make up an arc; 0 if they do not.
+    fn take(&self, arc: &Arc, from: [f64; 3], moves: &[Move]) -> usize {
+        let [first, second, normal] = arc.plane.axes();
+        let turned = |a: [f64; 3], b: [f64; 3], center: [f64; 3]| {
+            let angle = |p: [f64; 3]| (p[second] - center[second]).atan2(p[first] - center[first]);
+            let sign = if arc.direction == Direction::Clockwise { -1.0 } else { 1.0 };
+            (sign * (angle(b) - angle(a))).rem_euclid(TAU)
+        };
+        let radius = (from[first] - arc.center[first]).hypot(from[second] - arc.center[second]);
+        // Each piece has its own centre, up to three steps off.
+        let slack = (6.0 * self.step / radius).min(0.5);
+        let whole = |turn: f64| if turn < slack || turn > TAU - slack { TAU } else { turn };
+        let sweep = if from == arc.to { TAU } else { whole(turned(from, arc.to, arc.center)) };
+        let (mut at, mut sum) = (from, 0.0);
+        for (k, piece) in moves.iter().enumerate() {
+            let (to, mm_per_min, turn) = match *piece {
+                Move::Feed { to, mm_per_min } if self.lines => {
+                    let turn = turned(at, to, arc.center);
+                    // The chord's middle may be off by the tolerance of the tests' jobs.
+                    if radius * (1.0 - (turn / 2.0).cos()) > 0.01 + 2.0 * self.step {
+                        return 0;
+                    }
+                    (to, mm_per_min, turn)
+                }
+                Move::Arc(part) if !self.lines => {
+                    let off = [first, second].map(|k| (part.center[k] - arc.center[k]).abs());
+                    let same = part.plane == arc.plane && part.direction == arc.direction;
+                    let closed = [first, second]
+                        .iter()
+                        .all(|&k| (at[k] - part.to[k]).abs() < 0.6 * self.step);
+                    let turn = if closed && self.limit > 180.0 {
+                        TAU
+                    } else {
+                        turned(at, part.to, part.center)
+                    };
+                    if !same || off[0].max(off[1]) > 3.0 * self.step {
+                        return 0;
+                    }
+                    if turn > self.limit.to_radians() + slack {
+                        return 0;
+                    }
+                    (part.to, part.mm_per_min, turn)
+                }
+                _ => return 0,
+            };
+            sum += turn;
+            let radial = (to[first] - arc.center[first]).hypot(to[second] - arc.center[second]);
+            let climb = from[normal] + (arc.to[normal] - from[normal]) * (sum / sweep).min(1.0);
+            let height = (climb - to[normal]).abs();
+            let steep = (arc.to[normal] - from[normal]).abs() * slack / sweep;
+            if (radial - radius).abs() > 1.5 * self.step
+                || height > self.step + steep
+                || (mm_per_min - arc.mm_per_min).abs() > self.feed_step
+            {
+                return 0;
+            }
+            if sum > sweep - slack {
+                let ends = near(arc.to, to, 0.55 * self.step) && sum < sweep + slack;
+                return if ends { k + 1 } else { 0 };
+            }
+            at = to;
+        }
+        0
+    }
 }
 
 /// Where `a` is unknown anything will do.
