@@ -9,7 +9,7 @@ mod progress;
 mod run;
 
 use arguments::{Arguments, Command, Job};
-use carvegraph_core::{DiskCache, Diagnostics, Graph, Origin, Recipe, Registry, Setting};
+use carvegraph_core::{Diagnostics, DiskCache, Graph, Origin, Recipe, Registry, Setting};
 use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
 use clap::{CommandFactory, Parser};
 use std::io::{self, Write};
@@ -123,7 +123,8 @@ fn hush_node_panics() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         let thread = std::thread::current();
-        let in_node = thread.name().is_some_and(|name| name.starts_with(carvegraph_core::THREAD_NAME));
+        let in_node =
+            thread.name().is_some_and(|name| name.starts_with(carvegraph_core::THREAD_NAME));
         if !in_node || std::env::var_os("RUST_BACKTRACE").is_some() {
             usual(panic);
         }

@@ -86,7 +86,8 @@ fn default_text(spec: &ParamSpec) -> String {
 }
 
 fn kind_text(registry: &Registry, kind: &NodeKind) -> String {
-    let mut text = format!("{} ({}, version {})\n\n{}\n", kind.name, kind.stage, kind.version, kind.about);
+    let mut text =
+        format!("{} ({}, version {})\n\n{}\n", kind.name, kind.stage, kind.version, kind.about);
     let port = |port: &PortSpec| {
         let optional = if port.optional { " (optional)" } else { "" };
         let name = registry.type_of(port).name;
@@ -164,7 +165,7 @@ fn param_json(param: &ParamSpec) -> Json {
 /// The shapes of cutter.
 pub(crate) fn cutters(registry: &Registry) -> String {
     let Some(Cutters(cutters)) = registry.catalogs().service() else { return String::new() };
-    let row = |cutter: &Box<dyn carvegraph_nodes::CutterShape>| {
+    let row = |cutter: &dyn carvegraph_nodes::CutterShape| {
         let dimensions: Vec<String> = cutter
             .dimensions()
             .iter()
@@ -172,22 +173,26 @@ pub(crate) fn cutters(registry: &Registry) -> String {
             .collect();
         vec![cutter.name().to_owned(), dimensions.join(", "), cutter.about().to_owned()]
     };
-    table(&cutters.iter().map(row).collect::<Vec<_>>())
+    table(&cutters.iter().map(|cutter| row(cutter.as_ref())).collect::<Vec<_>>())
 }
 
 /// The dialects of G-code.
 pub(crate) fn dialects(registry: &Registry) -> String {
     let Some(Dialects(dialects)) = registry.catalogs().service() else { return String::new() };
-    let row = |dialect: &Box<dyn carvegraph_nodes::Dialect>| {
+    let row = |dialect: &dyn carvegraph_nodes::Dialect| {
         let extension = format!(".{}", dialect.extension());
         vec![dialect.name().to_owned(), extension, dialect.about().to_owned()]
     };
-    table(&dialects.iter().map(row).collect::<Vec<_>>())
+    table(&dialects.iter().map(|dialect| row(dialect.as_ref())).collect::<Vec<_>>())
 }
 
 fn built_in(name: &str) -> Result<Recipe, Refusal> {
     if !LIBRARY.recipes.iter().any(|(known, _)| *known == name) {
-        return Err(unknown("built-in recipe", name, LIBRARY.recipes.iter().map(|(name, _)| *name)));
+        return Err(unknown(
+            "built-in recipe",
+            name,
+            LIBRARY.recipes.iter().map(|(name, _)| *name),
+        ));
     }
     Ok(LIBRARY.open(name, &Origin::BuiltIn)?)
 }

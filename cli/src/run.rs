@@ -99,7 +99,10 @@ fn tell(report: &RunReport, quiet: bool) {
         RunStatus::Failed => {
             let skipped = report.nodes.iter().filter(|(_, node)| {
                 node.status == NodeStatus::Skipped
-                    && node.reason.as_deref().is_some_and(|reason| reason.starts_with("nothing came"))
+                    && node
+                        .reason
+                        .as_deref()
+                        .is_some_and(|reason| reason.starts_with("nothing came"))
             });
             let skipped: Vec<&str> = skipped.map(|(id, _)| id.as_str()).collect();
             if !skipped.is_empty() {

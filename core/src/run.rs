@@ -147,11 +147,9 @@ pub fn run(plan: &Plan<'_>, session: &Session, options: RunOptions<'_>) -> RunRe
     match pool {
         Ok(pool) => {
             threads = pool.current_num_threads();
-            pool.in_place_scope(|scope| {
-                for at in runner.turns().filter(|at| runner.is_ready(*at)) {
-                    runner.spawn(scope, at);
-                }
-            });
+            // Chosen before the first one begins: those it makes ready are spawned by it.
+            let ready: Vec<usize> = runner.turns().filter(|at| runner.is_ready(*at)).collect();
+            pool.in_place_scope(|scope| ready.iter().for_each(|at| runner.spawn(scope, *at)));
         }
         Err(fault) => trouble = Some(format!("cannot start {} threads: {fault}", options.threads)),
     }
@@ -262,8 +260,9 @@ impl<'a> Runner<'a> {
         }
         self.options.observer.finished(id, &outcome.report);
         *lock(&self.slots[at].outcome) = Some(outcome);
-        for source in self.sources(at) {
-            self.let_go(source);
+        // One whose values were loaded reads from nobody.
+        if matches!(self.plan.steps[at], Some(Step::Run)) {
+            self.sources(at).into_iter().for_each(|source| self.let_go(source));
         }
     }
 

@@ -105,8 +105,6 @@ impl Staging {
                 state.ousted.insert(writer.node, name.to_owned());
                 return Err(FileError::Taken { name: name.to_owned(), other: other.id });
             }
-            let is_same = |staged: &Staged| staged.file.name.to_lowercase() == key;
-            state.staged.retain(|staged| staged.node != other.node || !is_same(staged));
             state.ousted.insert(other.node, name.to_owned());
         }
         state.taken.insert(key, writer.clone());
@@ -257,12 +255,8 @@ impl OutputFile<'_> {
             hashed.map_err(|source| staging.error(&name, cancel, source))?;
         let file = WrittenFile { name, bytes, blake3: hasher.finalize().to_hex().to_string() };
         let mut state = staging.state();
-        match state.taken.get(&file.name.to_lowercase()) {
-            _ if state.abandoned => return Err(FileError::Cancelled),
-            Some(other) if *other != writer => {
-                return Err(FileError::Taken { name: file.name, other: other.id.clone() });
-            }
-            _ => {}
+        if state.abandoned {
+            return Err(FileError::Cancelled);
         }
         state.staged.push(Staged { node: writer.node, temporary, file: file.clone() });
         Ok(file)
@@ -294,5 +288,74 @@ impl Write for OutputFile<'_> {
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn writer(node: usize) -> Writer {
+        Writer { node, id: format!("n{node}") }
+    }
+
+    /// Writes a file as a node.
+    fn write(staging: &Staging, node: usize, name: &str) -> Result<WrittenFile, FileError> {
+        let cancel = CancelToken::default();
+        let mut file = staging.create(name.to_owned(), writer(node), &cancel)?;
+        file.write_all(name.as_bytes()).map_err(|fault| file.error(fault))?;
+        file.finish()
+    }
+
+    #[test]
+    fn written_files_know_their_size_and_hash() {
+        let folder = tempfile::tempdir().unwrap();
+        let staging = Staging::new(folder.path().to_owned());
+        let file = write(&staging, 0, "a.txt").unwrap();
+        let blake3 = blake3::hash(b"a.txt").to_hex().to_string();
+        assert_eq!(file, WrittenFile { name: "a.txt".to_owned(), bytes: 5, blake3 });
+        assert_eq!(staging.written_by(0), [file]);
+        assert_eq!(staging.written_by(1), []);
+    }
+
+    #[test]
+    fn nothing_comes_after_abandoning() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out");
+        let (staging, cancel) = (Staging::new(out.clone()), CancelToken::default());
+        write(&staging, 0, "a.txt").unwrap();
+        let mut begun = staging.create("b.txt".to_owned(), writer(1), &cancel).unwrap();
+        begun.write_all(b"b").unwrap();
+        staging.abandon();
+        assert!(!out.exists());
+        assert!(matches!(begun.finish(), Err(FileError::Cancelled)));
+        assert!(matches!(write(&staging, 2, "c.txt"), Err(FileError::Cancelled)));
+        assert!(staging.publish(|_| true).is_none());
+        assert!(!out.exists());
+    }
+
+    #[test]
+    fn a_name_belongs_to_the_first_node_in_the_recipe() {
+        let folder = tempfile::tempdir().unwrap();
+        let staging = Staging::new(folder.path().to_owned());
+        for node in [2, 1, 3] {
+            let taken = write(&staging, node, "Part.txt");
+            assert_eq!(taken.is_ok(), node < 3, "{node}");
+        }
+        let told = |node| staging.ousted(node).map(|fault| fault.to_string());
+        assert_eq!(told(1), None);
+        for node in [2, 3] {
+            assert!(told(node).unwrap().contains("already written by node \"n1\""), "{node}");
+        }
+    }
+
+    #[test]
+    fn what_is_cancelled_is_no_fault_of_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let (staging, cancel) = (Staging::new(folder.path().to_owned()), CancelToken::default());
+        let mut file = staging.create("a.txt".to_owned(), writer(0), &cancel).unwrap();
+        cancel.cancel();
+        let fault = file.write_all(b"a").unwrap_err();
+        assert!(matches!(file.error(fault), FileError::Cancelled));
     }
 }

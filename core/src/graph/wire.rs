@@ -120,9 +120,12 @@ struct Tying<'a> {
 
 impl Tying<'_> {
     fn inputs(&mut self, node: &FlatNode, kind: &NodeKind) -> Vec<Option<Wire>> {
+        let unknown = |port: &String| kind.inputs.iter().all(|spec| spec.name != port);
         let tie = |spec: &PortSpec| match node.from.get(spec.name) {
             Some(feed) => self.source(node, spec, feed),
             None if spec.optional => None,
+            // A wire to an input that there is not was meant for this one, and complained of.
+            None if node.from.keys().any(unknown) => None,
             None => {
                 let wanted = self.registry.type_of(spec).name;
                 let message =

@@ -127,7 +127,7 @@ fn words_that_are_none_are_refused() {
 fn unknown_kinds_fields_and_ports_are_told_with_what_was_meant() {
     check(
         r#""a": (kind: "nmber"), "b": (kind: "number", set: {"valeu": 1}),
-"z": (kind: "add", from: {"c": "b", "a": "b"})"#,
+"z": (kind: "add", from: {"c": "b"})"#,
         &[
             r#"2:13 there is no kind of node called "nmber"; did you mean "number"?"#,
             r#"2:51 node "b" (number) has no parameter "valeu"; did you mean "value"?"#,

@@ -202,6 +202,24 @@ fn what_multiplies_is_stopped_early() {
 }
 
 #[test]
+fn outputs_may_lead_to_one_node_in_many_ways() {
+    let shop = Shop::new();
+    // All of these words lead to the one node at the bottom.
+    let word = |length: usize| vec!["i"; length].join(".");
+    shop.write("l15.ron", recipe(r#""i": (kind: "number")"#, r#""i""#));
+    for level in (0..15).rev() {
+        let words: Vec<String> =
+            (1..=(16 - level).min(9)).map(|length| format!("{:?}", word(length))).collect();
+        let next = inner(&format!(r#"set: {{"recipe": "l{}.ron"}}"#, level + 1));
+        shop.write(&format!("l{level}.ron"), recipe(&format!(r#""i": {next}"#), &words.join(",")));
+    }
+    let start = Instant::now();
+    let graph = shop.graph(&std::fs::read_to_string(shop.path("l0.ron")).unwrap());
+    assert_eq!((graph.nodes.len(), graph.wanted.as_slice()), (1, [0].as_slice()));
+    assert!(start.elapsed() < Duration::from_secs(10));
+}
+
+#[test]
 fn names_that_multiply_through_levels_are_quick() {
     let shop = Shop::new();
     // Each knob, input and output of a level leads to all those of the next one, if that were allowed.

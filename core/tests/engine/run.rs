@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 
 #[test]
 fn kernels_share_the_threads_without_deadlock() {
-    // More nodes than threads, each of which waits for its own loop inside a loop.
+    // More nodes than threads, each of which waits for its own loop inside a loop, and takes up
+    // others while it waits.
     let mut nodes = String::new();
-    for at in 0..40 {
+    for at in 0..400 {
         let from = if at % 5 == 0 {
             String::new()
         } else {
@@ -20,13 +21,38 @@ fn kernels_share_the_threads_without_deadlock() {
         };
         nodes += &format!("\"n{at}\": (kind: \"busy\", {from}),\n");
     }
-    let outputs: Vec<String> = (0..40).map(|at| format!("\"n{at}\"")).collect();
+    let outputs: Vec<String> = (0..400).map(|at| format!("\"n{at}\"")).collect();
     for threads in [1, 2, 8] {
         let mut shop = Shop::new();
         shop.threads = threads;
         let report = shop.run(&recipe(&nodes, &outputs.join(",")));
         assert_eq!((report.status, report.threads), (RunStatus::Done, threads));
-        assert_eq!(value(&report, "n39"), 20_000.0);
+        assert_eq!(value(&report, "n399"), 2000.0);
+    }
+}
+
+#[test]
+fn each_node_runs_once() {
+    // Many that can begin at once, so that some end while others are still being begun, and after
+    // them, wherever they are sorted to, some that those make ready.
+    let nodes: String = (0..6000)
+        .map(|at| match at % 600 {
+            0..500 => format!("\"n{at}\": (kind: \"number\"),\n"),
+            _ => format!("\"n{at}\": (kind: \"add\", from: {{\"a\": \"n{}\"}}),\n", at / 600 * 600),
+        })
+        .collect();
+    let all: Vec<String> = (0..6000).map(|at| format!("\"n{at}\"")).collect();
+    let mut shop = Shop::new();
+    shop.threads = 8;
+    let graph = shop.graph(&recipe(&nodes, &all.join(",")));
+    for _ in 0..10 {
+        let plan = Plan::new(&graph, &[], &shop.out(), None, &Default::default()).unwrap();
+        let log = Log::default();
+        let options = RunOptions { threads: 8, cache: None, observer: &log };
+        let report = carvegraph_core::run(&plan, &Session::new(&shop.out()), options);
+        assert_eq!(report.status, RunStatus::Done);
+        let lines = log.0.into_inner().unwrap();
+        assert_eq!(lines.iter().filter(|line| line.ends_with("started")).count(), 6000);
     }
 }
 
@@ -59,6 +85,16 @@ fn a_value_is_dropped_at_its_last_reader() {
     let last = r#""last": (kind: "melt", from: {"a": "t19", "b": "t0"})"#;
     assert_eq!(shop.run(&recipe(&(nodes + last), r#""last""#)).status, RunStatus::Done);
     assert_eq!((count(&shop.lab.most), count(&shop.lab.alive)), (3, 0));
+}
+
+#[test]
+fn a_value_that_nobody_reads_is_dropped_at_once() {
+    let mut shop = Shop::new();
+    shop.threads = 1;
+    let nodes: String = (0..9).map(|at| format!("\"t{at}\": (kind: \"mint\"),")).collect();
+    let all = (0..9).map(|at| format!("\"t{at}\"")).collect::<Vec<_>>().join(",");
+    assert_eq!(shop.run(&recipe(&nodes, &all)).status, RunStatus::Done);
+    assert_eq!(shop.lab.most.load(Ordering::SeqCst), 1);
 }
 
 #[test]

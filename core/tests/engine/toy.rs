@@ -266,7 +266,7 @@ impl Node for Slow {
 #[derive(Params)]
 struct Busy {
     /// How many.
-    #[param(default = 20_000)]
+    #[param(default = 2000)]
     count: u32,
 }
 

@@ -139,6 +139,8 @@ struct Machine<'a> {
     /// A tool was changed and its length is not taken up.
     length_missing: bool,
     incremental: bool,
+    /// Whether Z was sent to the top.
+    high: bool,
     moves: Vec<Move>,
     ended: bool,
 }
@@ -162,6 +164,7 @@ pub(crate) fn read(text: &str, rules: &Rules) -> Vec<Move> {
         tool: f64::NAN,
         length_missing: false,
         incremental: false,
+        high: false,
         moves: Vec::new(),
         ended: false,
     };
@@ -219,10 +222,12 @@ impl Machine<'_> {
         match line {
             "G91 G28 Z0.0" => {
                 self.incremental = true;
+                self.high = true;
                 self.at[2] = f64::NAN;
                 return;
             }
             "G53 G0 Z0.0" => {
+                self.high = true;
                 self.at[2] = f64::NAN;
                 self.motion = "G0".to_owned();
                 return;
@@ -292,7 +297,10 @@ impl Machine<'_> {
             "G20" | "G700" => self.unit_mm = 25.4,
             "G21" | "G710" => self.unit_mm = 1.0,
             "M6" => {
+                assert!(self.high || !self.rules.length_with_z, "{line:?} down in the work");
                 self.at = [f64::NAN; 3];
+                // A macro may have left any plane.
+                self.plane = Plane::Yz;
                 let codes = self.rules.codes;
                 self.length_missing = codes.contains(&"G43") || self.rules.letters.contains('D');
             }
@@ -314,6 +322,9 @@ impl Machine<'_> {
             "G0" => {
                 let (across, z) = (values.contains_key(&'X') || values.contains_key(&'Y'), 'Z');
                 assert!(!(across && values.contains_key(&z)), "{line:?} is a diagonal rapid");
+                let blind = across && self.at[2].is_nan();
+                assert!(self.high || !blind, "{line:?} at an unknown height");
+                self.high &= across;
                 Move::Rapid { to }
             }
             "G1" => Move::Feed { to, mm_per_min: self.feed.expect(line) },
