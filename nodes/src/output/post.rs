@@ -206,3 +206,67 @@ impl io::Write for Sink<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use carvegraph_geometry::{Contact, Profile, Span};
+
+    fn post(z_zero: ZZero, xy_zero: XyZero) -> Post {
+        let (dialect, units) = ("grbl".to_owned(), UnitSystem::Mm);
+        Post { dialect, spindle: 9000.0, z_zero, xy_zero, units, tool: 0, blend: 0.01 }
+    }
+
+    #[test]
+    fn zero_is_where_the_user_says() {
+        let part = Bounds { min: DVec3::new(0.0, 0.0, -1.0), max: DVec3::new(8.0, 6.0, 4.0) };
+        let origin = |z, xy| post(z, xy).origin(&part);
+        assert_eq!(origin(ZZero::Bottom, XyZero::Corner), DVec3::ZERO);
+        assert_eq!(origin(ZZero::Top, XyZero::Corner), DVec3::new(0.0, 0.0, 4.0));
+        assert_eq!(origin(ZZero::Top, XyZero::Center), DVec3::new(4.0, 3.0, 4.0));
+    }
+
+    #[test]
+    fn each_kind_of_move_has_its_speed() {
+        let span = |at: usize, kind| Span { points: at..at + 1, kind, joined: at > 0 };
+        let path = Toolpath {
+            tips: vec![DVec3::Z, DVec3::ZERO, DVec3::X],
+            contacts: vec![Contact::NONE; 3],
+            spans: vec![
+                span(0, SpanKind::Rapid),
+                span(1, SpanKind::Plunge),
+                span(2, SpanKind::Pass),
+            ],
+            feeds: Some(carvegraph_geometry::Feeds {
+                cut_mm_per_min: 1000.0,
+                plunge_mm_per_min: 300.0,
+                rapid_mm_per_min: 5000.0,
+            }),
+        };
+        let commands = post(ZZero::Bottom, XyZero::Corner).commands(&path, DVec3::ZERO).unwrap();
+        assert_eq!(
+            commands,
+            [
+                Command::Spindle { rpm: 9000.0, direction: Direction::Clockwise },
+                Command::Rapid { to: [0.0, 0.0, 1.0] },
+                Command::Feed { to: [0.0; 3], mm_per_min: 300.0 },
+                Command::Feed { to: [1.0, 0.0, 0.0], mm_per_min: 1000.0 },
+            ]
+        );
+        let loose = Toolpath { feeds: None, ..path };
+        let fault = post(ZZero::Top, XyZero::Corner).commands(&loose, DVec3::ZERO).unwrap_err();
+        assert!(fault.to_string().contains("put a link node before this one"));
+    }
+
+    #[test]
+    fn a_dialect_that_is_not_there_is_named() {
+        let cutter = Cutter { name: "ball".into(), profile: Profile::ball(3.0).unwrap() };
+        let path = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
+        let part = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
+        let job = Job { toolpath: &path, part: &part, cutter: &cutter };
+        // A context without catalogs: no dialects at all.
+        let fault = run(|cx| post(ZZero::Top, XyZero::Corner).run(job, cx)).err();
+        assert!(fault.is_some_and(|fault| fault.to_string().contains("Dialects")));
+    }
+}

@@ -54,10 +54,11 @@ impl Node for SavePoints {
 
     fn run(&self, inputs: Cloud<'_>, cx: &Context<'_>) -> Result<(), NodeError> {
         let points = &inputs.points.points;
-        let (extension, head, encode): (_, _, fn(&[DVec3]) -> Vec<u8>) = match self.format {
-            Format::Ply => ("ply", ply_head(points.len()), encode_ply),
-            Format::Xyz | Format::None => ("xyz", String::new(), encode_xyz),
+        let (extension, head) = match self.format {
+            Format::Ply => ("ply", ply_head(points.len())),
+            Format::Xyz | Format::None => ("xyz", String::new()),
         };
+        let encode = if self.format == Format::Ply { encode_ply } else { encode_xyz };
         let mut file = cx.create(&self.name, extension)?;
         let ticker = cx.ticker(points.len());
         file.write_all(head.as_bytes()).map_err(|fault| file.error(fault))?;

@@ -110,3 +110,38 @@ fn describe_path(path: &Toolpath, part: Option<&Bounds>, say: &mut impl FnMut(&s
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOTHING: Made<'_> = Made {
+        surface: None,
+        part: None,
+        cutter: None,
+        choice: None,
+        reduction: None,
+        toolpath: None,
+        program: None,
+    };
+
+    #[test]
+    fn it_tells_of_what_is_there_and_of_nothing_else() {
+        assert_eq!(summary("mother", &NOTHING), "mother\n");
+        let choice = Remark { text: "dropped on the mesh".into() };
+        let reduction = Reduction {
+            points_in: 9,
+            points_out: 4,
+            max_deviation_mm: 0.02,
+            max_above_mm: 0.02,
+            max_below_mm: 0.001,
+        };
+        let made = Made { choice: Some(&choice), reduction: Some(&reduction), ..NOTHING };
+        assert_eq!(
+            summary("mother", &made),
+            "mother\n\
+             drop       dropped on the mesh\n\
+             reduction  9 points in, 4 out; the path moved at most 0.0200 mm up, 0.0010 mm down\n"
+        );
+    }
+}

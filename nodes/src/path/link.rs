@@ -51,3 +51,28 @@ impl Node for Link {
         Ok(Linked { toolpath })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use carvegraph_geometry::{Contact, DVec3, Span, SpanKind};
+
+    #[test]
+    fn the_safe_height_counts_from_the_top_of_the_part() {
+        let path = Toolpath {
+            tips: vec![DVec3::new(0.0, 0.0, 1.0), DVec3::new(4.0, 0.0, 2.0)],
+            contacts: vec![Contact::NONE; 2],
+            spans: vec![Span { points: 0..2, kind: SpanKind::Pass, joined: false }],
+            feeds: None,
+        };
+        let part = Bounds { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 7.0) };
+        let node = Link { safe_z: 5.0, feed: 1000.0, plunge: 300.0, rapid: 5000.0 };
+        let linked =
+            run(|cx| node.run(Loose { toolpath: &path, part: &part }, cx)).unwrap().toolpath;
+        let (first, last) = (linked.tips[0], linked.tips[linked.tips.len() - 1]);
+        assert_eq!((first, last), (DVec3::new(0.0, 0.0, 12.0), DVec3::new(4.0, 0.0, 12.0)));
+        assert_eq!(linked.feeds.unwrap().plunge_mm_per_min, 300.0);
+        assert_eq!(linked.cl_points(), 2);
+    }
+}

@@ -102,3 +102,49 @@ impl RasterNode {
         ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use carvegraph_geometry::{DVec2, DVec3};
+
+    const NODE: RasterNode = RasterNode {
+        stepover: 1.0,
+        feed_step: 1.0,
+        style: Style::Zigzag,
+        along: Along::Longer,
+        angle: 0.0,
+    };
+
+    fn pattern(node: &RasterNode, width: f64, height: f64) -> Result<Pattern, NodeError> {
+        let area = Bounds { min: DVec3::ZERO, max: DVec3::new(width, height, 5.0) };
+        run(|cx| node.run(Area { area: &area }, cx)).map(|passes| passes.pattern)
+    }
+
+    fn first_step(node: &RasterNode, width: f64, height: f64) -> DVec2 {
+        let points = pattern(node, width, height).unwrap().points;
+        (points[1] - points[0]).round()
+    }
+
+    #[test]
+    fn passes_run_along_the_longer_side_unless_told_otherwise() {
+        assert_eq!(first_step(&NODE, 9.0, 5.0), DVec2::X);
+        assert_eq!(first_step(&NODE, 5.0, 9.0), DVec2::Y);
+        assert_eq!(first_step(&NODE, 5.0, 5.0), DVec2::X);
+        let along = |along| RasterNode { along, ..NODE };
+        assert_eq!(first_step(&along(Along::X), 5.0, 9.0), DVec2::X);
+        assert_eq!(first_step(&along(Along::Y), 9.0, 5.0), DVec2::Y);
+        assert_eq!(first_step(&RasterNode { angle: 90.0, ..NODE }, 9.0, 5.0), DVec2::Y);
+    }
+
+    #[test]
+    fn too_many_points_are_refused_with_their_number() {
+        let fine = RasterNode { stepover: 1e-9, ..NODE };
+        let Err(NodeError::Refused { param, message }) = pattern(&fine, 10.0, 10.0) else {
+            panic!("it must be refused")
+        };
+        assert_eq!(param, "stepover");
+        assert!(message.contains("would make 1.100e11 points; the limit is 5e7"), "{message}");
+    }
+}

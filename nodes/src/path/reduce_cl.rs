@@ -64,3 +64,40 @@ impl Node for ReduceCl {
         Ok(Reduced { toolpath, reduction })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use carvegraph_geometry::{Contact, DVec3, Span, SpanKind};
+
+    /// One pass over these heights, 1 mm apart.
+    fn reduce(method: Method, tolerance: f64, heights: &[f64]) -> (Vec<f64>, Reduction) {
+        let tip = |(i, z): (usize, &f64)| DVec3::new(i as f64, 0.0, *z);
+        let path = Toolpath {
+            tips: heights.iter().enumerate().map(tip).collect(),
+            contacts: vec![Contact::NONE; heights.len()],
+            spans: vec![Span { points: 0..heights.len(), kind: SpanKind::Pass, joined: false }],
+            feeds: None,
+        };
+        let node = ReduceCl { method, tolerance, gouge: 0.0 };
+        let reduced = run(|cx| node.run(Full { toolpath: &path }, cx)).unwrap();
+        (reduced.toolpath.tips.iter().map(|tip| tip.z).collect(), reduced.reduction)
+    }
+
+    const RAMP: [f64; 5] = [0.0, 1.0, 2.0, 3.0, 3.0];
+
+    #[test]
+    fn none_keeps_every_point_and_counts_them() {
+        let (heights, reduction) = reduce(Method::None, 10.0, &[1.0; 5]);
+        assert_eq!(heights, [1.0; 5]);
+        assert_eq!((reduction.points_in, reduction.points_out), (5, 5));
+    }
+
+    #[test]
+    fn z_band_merges_equal_heights_and_chord_straight_lines() {
+        assert_eq!(reduce(Method::ZBand, 0.0, &[1.0; 5]).0, [1.0; 2]);
+        assert_eq!(reduce(Method::ZBand, 0.0, &RAMP).0, RAMP);
+        assert_eq!(reduce(Method::Chord, 0.0, &RAMP).0, [0.0, 3.0, 3.0]);
+    }
+}

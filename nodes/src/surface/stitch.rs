@@ -58,3 +58,34 @@ impl Node for Stitch {
         Ok(Stitched { mesh })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::run;
+    use carvegraph_geometry::DVec3;
+    use std::sync::Arc;
+
+    fn stitched(shape: Shape, grid: Option<(usize, usize)>) -> Result<Mesh, NodeError> {
+        let point = |i: usize| DVec3::new((i % 3) as f64, (i / 3) as f64, 1.0 + (i % 2) as f64);
+        let points = PointCloud { points: Arc::new((0..6).map(point).collect()), grid };
+        run(|cx| Stitch { shape, base: 2.0 }.run(Ordered { points: &points }, cx)).map(|s| s.mesh)
+    }
+
+    #[test]
+    fn a_closed_solid_stands_on_its_base() {
+        let open = stitched(Shape::Open, Some((3, 2))).unwrap();
+        let closed = stitched(Shape::Closed, Some((3, 2))).unwrap();
+        assert_eq!(open.triangles.len(), 4);
+        // Six edges of rim get two triangles of wall and one of base each.
+        assert_eq!(closed.triangles.len(), 4 + 3 * 6);
+        let lowest = closed.vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
+        assert_eq!(lowest, 1.0 - 2.0);
+    }
+
+    #[test]
+    fn points_in_no_order_are_refused() {
+        let message = stitched(Shape::Open, None).unwrap_err().to_string();
+        assert!(message.contains("only the points of a grid can be stitched"), "{message}");
+    }
+}

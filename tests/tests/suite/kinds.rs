@@ -10,16 +10,10 @@ use std::path::{Path, PathBuf};
 
 /// Kinds whose work lies in a kernel or a plugin, and which add nothing to it that a test in their
 /// own file could look at better than the tests named here.
-const TESTED_ELSEWHERE: [(&str, &str); 9] = [
+const TESTED_ELSEWHERE: [(&str, &str); 3] = [
     ("cutter", "plugins/cutters/tests/shapes.rs"),
-    ("link", "geometry/src/link.rs"),
     ("point_cloud", "geometry/src/stitch.rs"),
-    ("post", "tests/tests/suite/program.rs"),
-    ("raster", "geometry/src/raster.rs"),
     ("save_gcode", "tests/tests/suite/relief.rs"),
-    ("reduce_cl", "geometry/src/reduce/mod.rs"),
-    ("summary", "tests/tests/suite/golden.rs"),
-    ("stitch", "geometry/src/stitch.rs"),
 ];
 
 fn standard() -> Registry {
