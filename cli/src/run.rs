@@ -97,13 +97,7 @@ fn tell(report: &RunReport, quiet: bool) {
     match report.status {
         RunStatus::Done => {}
         RunStatus::Failed => {
-            let skipped = report.nodes.iter().filter(|(_, node)| {
-                node.status == NodeStatus::Skipped
-                    && node
-                        .reason
-                        .as_deref()
-                        .is_some_and(|reason| reason.starts_with("nothing came"))
-            });
+            let skipped = report.nodes.iter().filter(|(_, node)| node.starved);
             let skipped: Vec<&str> = skipped.map(|(id, _)| id.as_str()).collect();
             if !skipped.is_empty() {
                 complain(&format!("not run, since they needed it: {}", skipped.join(", ")));

@@ -6,7 +6,7 @@
 //! 1. [`Library::open`] reads a recipe and finds what is wrong with its form;
 //! 2. [`Graph::build`] checks it against the registry and finds everything else that is wrong;
 //! 3. [`Plan::new`] chooses what has to be done;
-//! 4. [`run`] does it and reports.
+//! 4. [`run()`] does it and reports.
 
 // The derives write `::carvegraph_core`, in this crate too.
 extern crate self as carvegraph_core;

@@ -59,6 +59,9 @@ pub struct NodeReport {
     /// Why it failed or was skipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// Whether it was skipped because a node that it reads from gave nothing.
+    #[serde(skip)]
+    pub starved: bool,
 }
 
 /// What is told of a run.

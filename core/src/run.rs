@@ -283,6 +283,7 @@ impl<'a> Runner<'a> {
             outputs: entry.outputs.clone(),
             notes: entry.notes.clone(),
             reason: None,
+            starved: false,
         }
     }
 
@@ -308,6 +309,7 @@ impl<'a> Runner<'a> {
             outputs: BTreeMap::new(),
             notes: context.notes.into_inner().unwrap_or_else(PoisonError::into_inner),
             reason: None,
+            starved: false,
         };
         let mut ended = Ended::Well;
         let mut values = Vec::new();
@@ -318,6 +320,7 @@ impl<'a> Runner<'a> {
             }
             Err(stop) => {
                 (report.status, ended) = stop.end();
+                report.starved = matches!(stop, Stop::Lacks(_));
                 report.reason = Some(stop.to_string());
             }
         }
@@ -397,6 +400,7 @@ impl<'a> Runner<'a> {
             outputs: BTreeMap::new(),
             notes: Vec::new(),
             reason: Some(reason),
+            starved: false,
         };
         match &self.plan.steps[at] {
             Some(Step::Keep(entry)) => self.cached(at, entry),

@@ -5,7 +5,7 @@
 //! vertices; against the *points* only vertices, which is faster and as good where the points are
 //! dense: the source takes them when their distance is at most a fifth of the cutter's radius
 //! (section 4.2). The heights are exact for every cutter, see
-//! [`drop_on_height_field`](carvegraph_geometry::drop_on_height_field).
+//! [`drop_on_height_field`].
 
 use crate::values::Remark;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
