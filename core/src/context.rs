@@ -3,55 +3,13 @@
 use crate::cancel::CancelToken;
 use crate::catalog::Catalogs;
 use crate::files::{FileError, FileHashes, Files, InputFile, OutputName};
-use crate::node::NodeError;
+use crate::node_error::NodeError;
+use crate::report::{Note, Observer, Weight};
 use crate::staging::{OutputFile, Staging, Writer};
-use serde::{Deserialize, Serialize};
 use std::any::Any;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// How much a note matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Weight {
-    /// Good to know.
-    Note,
-    /// The result may not be what was meant.
-    Warning,
-}
-
-/// Something a node has to say to the user.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Note {
-    /// How much it matters.
-    pub weight: Weight,
-    /// A sentence.
-    pub text: String,
-}
-
-/// Told what happens during a run. Calls come from many threads at once.
-pub trait Observer: Sync {
-    /// A node has begun.
-    fn started(&self, node: &str) {
-        let _ = node;
-    }
-    /// A node has done `share` (0 to 1) of its work.
-    fn progressed(&self, node: &str, share: f64) {
-        let _ = (node, share);
-    }
-    /// A node has something to say.
-    fn noted(&self, node: &str, note: &Note) {
-        let _ = (node, note);
-    }
-    /// A node's turn is over.
-    fn finished(&self, node: &str, report: &crate::report::NodeReport) {
-        let _ = (node, report);
-    }
-}
-
-/// An observer that does not look.
-impl Observer for () {}
 
 /// The only way from a node to files, services, progress and messages.
 pub struct Context<'a> {

@@ -21,6 +21,7 @@ pub mod graph;
 mod hashing;
 mod library;
 mod node;
+mod node_error;
 mod param;
 mod plan;
 mod port;
@@ -37,12 +38,13 @@ pub use cache::{Cache, CacheError, DiskCache, Entry, Key, MemoryCache, Parts};
 pub use cancel::CancelToken;
 pub use carvegraph_derive::{Choice, Inputs, Outputs, Params};
 pub use catalog::Catalogs;
-pub use context::{Context, Note, Observer, Ticker, Weight, with_context};
+pub use context::{Context, Ticker, with_context};
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use files::{Assets, FileError, InputFile, MAX_INPUT_BYTES, Origin, OutputName};
 pub use graph::{Graph, Setting};
 pub use library::Library;
-pub use node::{Conflict, Node, NodeError, NodeKind};
+pub use node::{Conflict, Node, NodeKind};
+pub use node_error::NodeError;
 pub use param::{
     ChoiceOption, Given, ParamFault, ParamField, ParamHints, ParamKind, ParamSpec, ParamValue,
     ParamValues, Params,
@@ -51,6 +53,8 @@ pub use plan::{Plan, Step};
 pub use port::{Facts, InputValues, Inputs, Outputs, PortSpec, PortType, Value};
 pub use recipe::Recipe;
 pub use registry::{Registry, RegistryError};
-pub use report::{NodeReport, NodeStatus, PortReport, RunReport, RunStatus};
+pub use report::{
+    NodeReport, NodeStatus, Note, Observer, PortReport, RunReport, RunStatus, Weight,
+};
 pub use run::{RunOptions, Session, THREAD_NAME, run};
 pub use staging::{OutputFile, WrittenFile};

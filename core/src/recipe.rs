@@ -29,6 +29,9 @@ pub const MAX_LAID_OUT_BYTES: usize = 4 * MAX_TEXT_BYTES;
 /// What a field is set to has no more bytes, since one knob may set 10,000 fields.
 pub const MAX_VALUE_BYTES: usize = 16 << 10;
 
+/// The kind of node that stands for another recipe.
+pub(crate) const RECIPE_KIND: &str = "recipe";
+
 /// A name that stands for places inside the recipe: a knob or, in an inner recipe, an input.
 #[derive(Clone, Debug)]
 pub struct Alias {

@@ -2,10 +2,10 @@
 
 use crate::catalog::Catalogs;
 use crate::files::Origin;
-use crate::graph::RECIPE_KIND;
 use crate::node::NodeKind;
 use crate::param::{Given, ParamSpec, ParamValue};
 use crate::port::{PortSpec, PortType};
+use crate::recipe::RECIPE_KIND;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -1,8 +1,49 @@
-//! What is told of a run afterwards, for people and scripts.
+//! What is told of a run, while it goes on and afterwards, to people and scripts.
 
-use crate::context::Note;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// How much a note matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weight {
+    /// Good to know.
+    Note,
+    /// The result may not be what was meant.
+    Warning,
+}
+
+/// Something a node has to say to the user.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// How much it matters.
+    pub weight: Weight,
+    /// A sentence.
+    pub text: String,
+}
+
+/// Told what happens during a run. Calls come from many threads at once.
+pub trait Observer: Sync {
+    /// A node has begun.
+    fn started(&self, node: &str) {
+        let _ = node;
+    }
+    /// A node has done `share` (0 to 1) of its work.
+    fn progressed(&self, node: &str, share: f64) {
+        let _ = (node, share);
+    }
+    /// A node has something to say.
+    fn noted(&self, node: &str, note: &Note) {
+        let _ = (node, note);
+    }
+    /// A node's turn is over.
+    fn finished(&self, node: &str, report: &NodeReport) {
+        let _ = (node, report);
+    }
+}
+
+/// An observer that does not look.
+impl Observer for () {}
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -8,13 +8,15 @@
 
 use crate::cache::{Cache, Entry};
 use crate::cancel::CancelToken;
-use crate::context::{Context, Observer};
+use crate::context::Context;
 use crate::files::{FileError, InputFile};
 use crate::graph::GraphNode;
-use crate::node::NodeError;
+use crate::node_error::NodeError;
 use crate::plan::{Plan, Step, output_types};
 use crate::port::{InputValues, Value};
-use crate::report::{NodeReport, NodeStatus, PortReport, RunReport, RunStatus, peak_rss_mb};
+use crate::report::{
+    NodeReport, NodeStatus, Observer, PortReport, RunReport, RunStatus, peak_rss_mb,
+};
 use crate::staging::{Staging, Writer, WrittenFile};
 use rayon::Scope;
 use std::any::Any;

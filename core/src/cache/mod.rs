@@ -14,9 +14,8 @@ pub use memory::MemoryCache;
 
 pub(crate) use parts::{Dependencies, input_part};
 
-use crate::context::Note;
 use crate::port::{PortType, Value};
-use crate::report::PortReport;
+use crate::report::{Note, PortReport};
 use crate::staging::WrittenFile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

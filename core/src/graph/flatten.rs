@@ -10,15 +10,16 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::files::Origin;
 use crate::library::Library;
 use crate::param::Given;
-use crate::recipe::{MAX_DEPTH, MAX_LAID_OUT_BYTES, MAX_NODES, Name, Recipe, RecipeNode};
+use crate::recipe::{
+    MAX_DEPTH, MAX_LAID_OUT_BYTES, MAX_NODES, Name, RECIPE_KIND, Recipe, RecipeNode,
+};
 use crate::registry::Registry;
 use crate::ron::Value;
 use crate::source::Span;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-/// The kind that stands for another recipe, and its parameter that names it.
-pub(crate) const RECIPE_KIND: &str = "recipe";
+/// The parameter of a node that stands for another recipe: which one.
 const RECIPE_PARAM: &str = "recipe";
 
 /// What a field is set to.

@@ -22,7 +22,6 @@ use settle::Settled;
 use std::path::Path;
 
 pub use assign::Setting;
-pub(crate) use flatten::RECIPE_KIND;
 
 /// Where an input's value comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
