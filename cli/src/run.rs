@@ -4,7 +4,7 @@ use crate::arguments::RunArguments;
 use crate::progress::Progress;
 use crate::{Exit, Refusal, build, complain, open_cache, say};
 use carvegraph_core::report::{NodeStatus, RunReport, RunStatus};
-use carvegraph_core::{Cache, Plan, Registry, RunOptions, Session, run as run_plan};
+use carvegraph_core::{Cache, Diagnostic, Plan, Registry, RunOptions, Session, run as run_plan};
 use std::fs;
 use std::path::Path;
 use std::sync::Once;
@@ -88,7 +88,12 @@ fn write_report(report: &RunReport, path: &Path) -> Result<(), Refusal> {
 fn tell(report: &RunReport, quiet: bool) {
     for (id, node) in &report.nodes {
         if let (NodeStatus::Failed, Some(reason)) = (node.status, &node.reason) {
-            complain(&format!("error: node {id:?} ({}): {reason}", node.kind));
+            let fault = Diagnostic::error(format!("node {id:?} ({}): {reason}", node.kind));
+            let fault = match &node.place {
+                Some(place) => fault.at(place.clone()),
+                None => fault,
+            };
+            complain(fault.render().trim_end());
         }
     }
     if let Some(trouble) = &report.trouble {

@@ -1,5 +1,6 @@
 //! What is told of a run, while it goes on and afterwards, to people and scripts.
 
+use crate::source::Span;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -100,6 +101,9 @@ pub struct NodeReport {
     /// Why it failed or was skipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// Where the parameter is set that it refused.
+    #[serde(skip)]
+    pub place: Option<Span>,
     /// Whether it was skipped because a node that it reads from gave nothing.
     #[serde(skip)]
     pub starved: bool,

@@ -102,6 +102,14 @@ enum Stop {
 }
 
 impl Stop {
+    /// The parameter that is to blame.
+    fn param(&self) -> Option<&'static str> {
+        match self {
+            Self::Fault(NodeError::Refused { param, .. }) => Some(param),
+            _ => None,
+        }
+    }
+
     fn end(&self) -> (NodeStatus, Ended) {
         match self {
             Self::Lacks(_) => (NodeStatus::Skipped, Ended::Badly),
@@ -285,6 +293,7 @@ impl<'a> Runner<'a> {
             outputs: entry.outputs.clone(),
             notes: entry.notes.clone(),
             reason: None,
+            place: None,
             starved: false,
         }
     }
@@ -311,6 +320,7 @@ impl<'a> Runner<'a> {
             outputs: BTreeMap::new(),
             notes: context.notes.into_inner().unwrap_or_else(PoisonError::into_inner),
             reason: None,
+            place: None,
             starved: false,
         };
         let mut ended = Ended::Well;
@@ -323,6 +333,9 @@ impl<'a> Runner<'a> {
             Err(stop) => {
                 (report.status, ended) = stop.end();
                 report.starved = matches!(stop, Stop::Lacks(_));
+                report.place = stop
+                    .param()
+                    .and_then(|param| self.plan.graph.nodes[at].places.get(param).cloned());
                 report.reason = Some(stop.to_string());
             }
         }
@@ -402,6 +415,7 @@ impl<'a> Runner<'a> {
             outputs: BTreeMap::new(),
             notes: Vec::new(),
             reason: Some(reason),
+            place: None,
             starved: false,
         };
         match &self.plan.steps[at] {

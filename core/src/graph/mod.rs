@@ -16,9 +16,11 @@ use crate::node::{AnyNode, NodeKind};
 use crate::param::{ParamValue, ParamValues};
 use crate::recipe::Recipe;
 use crate::registry::Registry;
+use crate::source::Span;
 use flatten::{Flattened, Flattener};
 use petgraph::graph::{DiGraph, NodeIndex};
 use settle::Settled;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use assign::Setting;
@@ -46,6 +48,8 @@ pub struct GraphNode {
     pub idle: Option<&'static str>,
     /// What its output files are called after.
     pub prefix: String,
+    /// Where those of its parameters are set that are.
+    pub(crate) places: BTreeMap<String, Span>,
     pub(crate) node: Box<dyn AnyNode>,
 }
 
@@ -103,7 +107,9 @@ impl Graph {
             let idle = settled.node.idle();
             let Settled { kind, values, node: made } = settled;
             let (id, prefix) = (node.id.clone(), String::new());
-            GraphNode { id, kind, values, inputs, idle, prefix, node: made }
+            let places = node.set.iter().map(|(name, set)| (name.clone(), set.span.clone()));
+            let places = places.collect();
+            GraphNode { id, kind, values, inputs, idle, prefix, places, node: made }
         });
         let mut wanted: Vec<usize> =
             flat.scopes[0].ports.iter().flat_map(|port| &port.nodes).copied().collect();
