@@ -62,8 +62,14 @@ pub trait CutterShape: Send + Sync {
     /// What it is, in a line.
     fn about(&self) -> &str;
 
-    /// Its dimensions; the first is [`DimensionSpec::DIAMETER`] or one of that name.
+    /// Its dimensions; the first is [`DimensionSpec::DIAMETER`] or one of that name, unless a drawing
+    /// says how wide it is.
     fn dimensions(&self) -> &[DimensionSpec];
+
+    /// What its drawing must show, in a line; `None` for a shape that needs no drawing.
+    fn drawing(&self) -> Option<&str> {
+        None
+    }
 
     /// The profile of the cutter with these dimensions, its tip at height 0.
     ///
@@ -72,11 +78,13 @@ pub trait CutterShape: Send + Sync {
     fn profile(&self, dimensions: &Dimensions<'_>) -> Result<Profile, CutterError>;
 }
 
-/// A value for each dimension of a shape, in the order of its specs and each within its range.
+/// A value for each dimension of a shape, in the order of its specs and each within its range, and
+/// its drawing if it needs one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dimensions<'a> {
     specs: &'a [DimensionSpec],
     values: Vec<f64>,
+    drawing: Option<&'a str>,
 }
 
 impl<'a> Dimensions<'a> {
@@ -98,7 +106,21 @@ impl<'a> Dimensions<'a> {
             }
         }
         let values = values.iter().zip(specs).map(|(v, s)| v.unwrap_or(s.default)).collect();
-        Ok(Self { specs, values })
+        Ok(Self { specs, values, drawing: None })
+    }
+
+    /// Adds the text of a drawing (SVG).
+    #[must_use]
+    pub fn with_drawing(self, text: &'a str) -> Self {
+        Self { drawing: Some(text), ..self }
+    }
+
+    /// The text of the drawing (SVG).
+    ///
+    /// # Errors
+    /// If none was given.
+    pub fn drawing(&self) -> Result<&'a str, CutterError> {
+        self.drawing.ok_or(CutterError::NoDrawing)
     }
 
     /// The value of a dimension.
@@ -146,6 +168,9 @@ pub enum CutterError {
         /// What was given.
         value: f64,
     },
+    /// A shape that needs a drawing was given none.
+    #[error("this cutter is made from a drawing, and none is given")]
+    NoDrawing,
     /// The profile they make is none.
     #[error(transparent)]
     Profile(#[from] ProfileError),

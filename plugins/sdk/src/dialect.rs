@@ -195,6 +195,9 @@ pub enum PostError {
         /// The word in it that its controller rejects.
         word: String,
     },
+    /// A dialect in a library says why.
+    #[error("{0}")]
+    Plugin(String),
     /// The sink failed, or asked to stop.
     #[error(transparent)]
     Io(#[from] io::Error),

@@ -4,6 +4,8 @@
 //! they come from. The traits are object safe, free of generics, and hand over only slices, plain
 //! structs and sinks, so that a C layout can carry each call.
 
+#[cfg(feature = "conformance")]
+pub mod conformance;
 mod cutter;
 mod dialect;
 mod program;

@@ -97,10 +97,10 @@ pub enum Command {
     },
     /// Turns the spindle on.
     Spindle {
-        /// Revolutions per minute, above 0.
-        rpm: f64,
         /// The way it turns.
         direction: Direction,
+        /// Revolutions per minute, above 0.
+        rpm: f64,
     },
     /// Turns the spindle off.
     SpindleStop,
@@ -144,6 +144,9 @@ pub struct Program<'a> {
     /// How far the controller may leave the path to keep its speed, in mm, above 0. Dialects that
     /// cannot say so ignore it; LinuxCNC uses it twice, for blending and for merging points.
     pub path_tolerance_mm: f64,
+    /// Whether to write straight moves only, because this machine takes no arcs though its dialect
+    /// does: arcs become chords within the path tolerance.
+    pub lines_only: bool,
     /// The block that is cut from, for controllers that draw what they do. Without one they draw
     /// what the cuts pass through.
     pub stock: Option<Stock>,

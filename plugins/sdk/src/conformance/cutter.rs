@@ -1,0 +1,1 @@
+//! What every cutter shape must fulfil.
