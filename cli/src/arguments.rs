@@ -10,6 +10,9 @@ use std::path::PathBuf;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
+    /// Looks for plugins in this folder too; may be given many times
+    #[arg(long, value_name = "DIR", global = true)]
+    pub(crate) plugins: Vec<PathBuf>,
 }
 
 /// A recipe and what is changed in it.
@@ -82,8 +85,16 @@ pub(crate) enum Command {
     },
     /// Lists the shapes of cutter
     Cutters,
-    /// Lists the dialects of G-code
-    Dialects,
+    /// Lists the dialects of G-code, or begins a new one
+    Dialects {
+        #[command(subcommand)]
+        action: Option<DialectAction>,
+    },
+    /// Lists the plugins, explains what is wrong with one, or installs one
+    Plugins {
+        #[command(subcommand)]
+        action: Option<PluginAction>,
+    },
     /// Lists the built-in recipes, or describes one
     Graphs {
         /// The recipe to describe
@@ -96,6 +107,39 @@ pub(crate) enum Command {
     Completions {
         /// The shell
         shell: Shell,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum DialectAction {
+    /// Writes a dialect file to change, with everything that can be said as comments
+    New {
+        /// What recipes are to call it: lower-case letters, digits and _
+        name: String,
+        /// The dialect that it is to be like
+        #[arg(long, value_name = "DIALECT", default_value = "iso6983")]
+        from: String,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PluginAction {
+    /// Loads every plugin and tells what is wrong with those that cannot be used
+    Doctor,
+    /// Puts a library, or a .ron file with a dialect, a machine or tools, into your plugin folder or
+    /// into that of --plugins
+    Install {
+        /// The library or the file
+        file: PathBuf,
+        /// What to call the plugin, if it does not say
+        #[arg(long)]
+        id: Option<String>,
+    },
+    /// Tries a library; called by the other commands in a process of its own
+    #[command(hide = true)]
+    Probe {
+        /// The library
+        library: PathBuf,
     },
 }
 

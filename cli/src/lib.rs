@@ -5,12 +5,15 @@
 
 mod arguments;
 mod list;
+mod offers;
+mod plugins;
 mod progress;
 mod run;
 
-use arguments::{Arguments, Command, Job};
+use arguments::{Arguments, Command, DialectAction, Job, PluginAction};
 use carvegraph_core::{Diagnostics, DiskCache, Graph, Origin, Recipe, Registry, Setting};
-use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
+use carvegraph_nodes::LIBRARY;
+use offers::Brought;
 use clap::{CommandFactory, Parser};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -45,32 +48,41 @@ impl From<Diagnostics> for Refusal {
 #[must_use]
 pub fn main() -> ExitCode {
     hush_node_panics();
-    let exit = command(Arguments::parse().command).unwrap_or_else(|Refusal(message)| {
+    let Arguments { command, plugins } = Arguments::parse();
+    let exit = obey(command, &plugins).unwrap_or_else(|Refusal(message)| {
         complain(message.trim_end());
         Exit::Wrong
     });
     exit.into()
 }
 
-fn command(command: Command) -> Result<Exit, Refusal> {
-    let registry = standard_registry()?;
+fn obey(command: Command, given: &[PathBuf]) -> Result<Exit, Refusal> {
+    let registry = || full_registry(given);
     match command {
-        Command::Run(arguments) => return run::run(&arguments, &registry),
+        Command::Run(arguments) => return run::run(&arguments, &registry()?),
         Command::Check { job } => {
+            let registry = registry()?;
             let (_, graph) = build(&job, &registry)?;
             say(&format!("{}: {} nodes, nothing wrong\n", job.recipe, graph.nodes.len()));
         }
         Command::Plan { job, only, out, cache, explain } => {
+            let registry = registry()?;
             let (_, graph) = build(&job, &registry)?;
             let cache = cache.map(|folder| open_cache(&folder)).transpose()?;
             say(&list::plan(&graph, &only, &out, cache.as_ref(), explain.as_deref())?);
         }
-        Command::Nodes { kind: None, json: false } => say(&list::nodes(&registry)),
-        Command::Nodes { kind, json } => say(&list::node(&registry, kind.as_deref(), json)?),
-        Command::Cutters => say(&list::cutters(&registry)),
-        Command::Dialects => say(&list::dialects(&registry)),
+        Command::Nodes { kind: None, json: false } => say(&list::nodes(&registry()?)),
+        Command::Nodes { kind, json } => say(&list::node(&registry()?, kind.as_deref(), json)?),
+        Command::Cutters => say(&list::cutters(&registry()?)),
+        Command::Dialects { action: None } => say(&list::dialects(&registry()?)),
+        Command::Dialects { action: Some(DialectAction::New { name, from }) } => {
+            say(&plugins::new_dialect(&name, &from, &plugins::folder_to_write(given)?)?);
+        }
+        Command::Plugins { action } => say(&manage(action, given)?),
         Command::Graphs { name: None, .. } => say(&list::graphs()?),
-        Command::Graphs { name: Some(name), text } => say(&list::graph(&registry, &name, text)?),
+        Command::Graphs { name: Some(name), text } => {
+            say(&list::graph(&registry()?, &name, text)?);
+        }
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "carve", &mut script);
@@ -80,11 +92,33 @@ fn command(command: Command) -> Result<Exit, Refusal> {
     Ok(Exit::Done)
 }
 
-/// The nodes, cutters and dialects that `carve` has.
-fn standard_registry() -> Result<Registry, Refusal> {
-    let cutters = Cutters(carvegraph_cutters::standard());
-    let dialects = Dialects(carvegraph_dialects::standard());
-    registry(cutters, dialects).map_err(|fault| Refusal(format!("error: {fault}")))
+/// `carve plugins`: what it has to say.
+fn manage(action: Option<PluginAction>, given: &[PathBuf]) -> Result<String, Refusal> {
+    let folders = || plugins::folders(given);
+    match action {
+        None => Ok(plugins::list(&plugins::found(&folders()?), &folders()?)),
+        Some(PluginAction::Doctor) => {
+            let brought = Brought::load(plugins::found(&folders()?));
+            Ok(plugins::doctor(&brought, &folders()?))
+        }
+        Some(PluginAction::Install { file, id }) => {
+            plugins::install(&file, id.as_deref(), &plugins::folder_to_write(given)?)
+        }
+        Some(PluginAction::Probe { library }) => plugins::examine_here(&library),
+    }
+}
+
+/// All that recipes can use. What cannot be used is told, and no harm to a recipe that does not need it.
+fn full_registry(given: &[PathBuf]) -> Result<Registry, Refusal> {
+    let brought = Brought::load(plugins::found(&plugins::folders(given)?));
+    for fault in &brought.faults {
+        let first = fault.why.lines().next().unwrap_or_default();
+        complain(&format!("warning: {} is left out: {first}", fault.path.display()));
+    }
+    if !brought.faults.is_empty() {
+        complain("  = help: carve plugins doctor tells more");
+    }
+    brought.registry().map_err(|fault| Refusal(format!("error: {fault}")))
 }
 
 /// Opens and checks the recipe of a job.

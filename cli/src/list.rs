@@ -3,16 +3,16 @@
 use crate::Refusal;
 use carvegraph_core::diagnostic::did_you_mean;
 use carvegraph_core::{
-    Cache, CancelToken, DiskCache, Graph, NodeKind, Origin, ParamKind, ParamSpec, ParamValue, Plan,
-    PortSpec, Recipe, Registry, Step,
+    Cache, CancelToken, CatalogEntry, DiskCache, Graph, NodeKind, Origin, ParamKind, ParamSpec,
+    ParamValue, Plan, PortSpec, Recipe, Registry, Step,
 };
 use carvegraph_nodes::{Cutters, Dialects, LIBRARY};
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 use std::fmt::Write;
 use std::path::Path;
 
 /// Rows of text in columns; the last column is as wide as it wants to be.
-fn table(rows: &[Vec<String>]) -> String {
+pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
     let width = |at: usize| {
         rows.iter().filter_map(|row| row.get(at)).map(|cell| cell.chars().count()).max()
@@ -88,6 +88,9 @@ fn default_text(spec: &ParamSpec) -> String {
 fn kind_text(registry: &Registry, kind: &NodeKind) -> String {
     let mut text =
         format!("{} ({}, version {})\n\n{}\n", kind.name, kind.stage, kind.version, kind.about);
+    if let Some(origin) = &kind.origin {
+        let _ = write!(text, "\nFrom {origin}.\n");
+    }
     let port = |port: &PortSpec| {
         let optional = if port.optional { " (optional)" } else { "" };
         let name = registry.type_of(port).name;
@@ -102,14 +105,26 @@ fn kind_text(registry: &Registry, kind: &NodeKind) -> String {
     if !kind.params.is_empty() {
         text.push_str("\nParameters\n");
     }
-    for param in &kind.params {
-        let _ = writeln!(text, "  {}: {}, {}", param.name, param.kind, default_text(param));
-        let _ = writeln!(text, "      {}", param.about);
-        if let ParamKind::Choice(options) = &param.kind {
+    kind.params.iter().for_each(|param| text.push_str(&param_text(param)));
+    text
+}
+
+fn param_text(param: &ParamSpec) -> String {
+    let mut text = format!("  {}: {}, {}\n", param.name, param.kind, default_text(param));
+    let _ = writeln!(text, "      {}", param.about);
+    match &param.kind {
+        ParamKind::Choice(options) => {
             for option in *options {
                 let _ = writeln!(text, "      {}: {}", option.name, option.about);
             }
         }
+        ParamKind::Catalog { catalog, takes_params: true } => {
+            let _ = writeln!(
+                text,
+                "      The fields of the {catalog} chosen come in addition: carve {catalog}s lists them."
+            );
+        }
+        _ => {}
     }
     text
 }
@@ -127,14 +142,24 @@ fn kind_json(registry: &Registry, kind: &NodeKind) -> Json {
         "kind": kind.name,
         "version": kind.version,
         "stage": kind.stage,
+        "origin": kind.origin,
         "about": kind.about,
         "inputs": kind.inputs.iter().map(port).collect::<Vec<_>>(),
         "outputs": kind.outputs.iter().map(port).collect::<Vec<_>>(),
-        "params": kind.params.iter().map(param_json).collect::<Vec<_>>(),
+        "params": kind.params.iter().map(|param| param_json(registry, param)).collect::<Vec<_>>(),
     })
 }
 
-fn param_json(param: &ParamSpec) -> Json {
+/// The parameters that a node has in addition, by the entry that brings them.
+fn entries_json(registry: &Registry, catalog: &str) -> Json {
+    let params = |entry: &CatalogEntry| {
+        entry.params.iter().map(|param| param_json(registry, param)).collect::<Vec<_>>()
+    };
+    let entries = registry.catalogs().entries(catalog).iter();
+    entries.map(|entry| (entry.name.clone(), json!(params(entry)))).collect::<Map<_, _>>().into()
+}
+
+fn param_json(registry: &Registry, param: &ParamSpec) -> Json {
     let mut json = match &param.kind {
         ParamKind::Number { dimension, min, max } => {
             json!({"type": "number", "unit": dimension.base_unit(), "min": min, "max": max})
@@ -146,7 +171,13 @@ fn param_json(param: &ParamSpec) -> Json {
         ParamKind::Switch => json!({"type": "switch"}),
         ParamKind::Text => json!({"type": "text"}),
         ParamKind::Choice(options) => json!({"type": "choice", "options": options}),
-        ParamKind::Catalog(catalog) => json!({"type": "name", "catalog": catalog}),
+        ParamKind::Catalog { catalog, takes_params: false } => {
+            json!({"type": "name", "catalog": catalog})
+        }
+        ParamKind::Catalog { catalog, takes_params: true } => {
+            let entries = entries_json(registry, catalog);
+            json!({"type": "name", "catalog": catalog, "entry_params": entries})
+        }
         ParamKind::InputFile => json!({"type": "input_file"}),
         ParamKind::OutputName => json!({"type": "output_name"}),
     };
@@ -162,18 +193,18 @@ fn param_json(param: &ParamSpec) -> Json {
     json
 }
 
-/// The shapes of cutter.
+/// The shapes of cutter and their dimensions.
 pub(crate) fn cutters(registry: &Registry) -> String {
     let Some(Cutters(cutters)) = registry.catalogs().service() else { return String::new() };
-    let row = |cutter: &dyn carvegraph_nodes::CutterShape| {
-        let dimensions: Vec<String> = cutter
-            .dimensions()
-            .iter()
-            .map(|spec| format!("{} ({})", spec.name, spec.unit.symbol()))
-            .collect();
-        vec![cutter.name().to_owned(), dimensions.join(", "), cutter.about().to_owned()]
-    };
-    table(&cutters.iter().map(|cutter| row(cutter.as_ref())).collect::<Vec<_>>())
+    let mut text = String::new();
+    for cutter in cutters {
+        let _ = writeln!(text, "{}\n  {}", cutter.name(), cutter.about());
+        let entry = registry.catalogs().entry("cutter", cutter.name());
+        let params = entry.into_iter().flat_map(|entry| &entry.params);
+        params.for_each(|param| text.push_str(&param_text(param)));
+        text.push('\n');
+    }
+    text + "Set with --set cutter=NAME and --set tool.DIMENSION=VALUE.\n"
 }
 
 /// The dialects of G-code.
@@ -214,8 +245,8 @@ pub(crate) fn graph(registry: &Registry, name: &str, text: bool) -> Result<Strin
     let value = |target: &str| {
         let (node, field) = target.split_once('.')?;
         let node = &graph.nodes[graph.find(node)?];
-        let spec = graph.kind(node).param(field)?;
-        Some((node.values.get(field).to_string(), spec.kind.to_string()))
+        let spec = graph.param(node, field)?;
+        Some((node.values.find(field)?.to_string(), spec.kind.to_string()))
     };
     let row = |param: &carvegraph_core::recipe::Alias| {
         let target = param.targets.first().map(|target| target.text.as_str()).unwrap_or_default();

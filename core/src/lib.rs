@@ -32,22 +32,23 @@ pub mod ron;
 mod run;
 pub mod source;
 mod staging;
+mod trust;
 pub mod units;
 
 pub use cache::{Cache, CacheError, DiskCache, Entry, Key, MemoryCache, Parts};
 pub use cancel::CancelToken;
 pub use carvegraph_derive::{Choice, Inputs, Outputs, Params};
-pub use catalog::Catalogs;
+pub use catalog::{CatalogEntry, Catalogs, Missing};
 pub use context::{Context, Ticker, with_context};
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use files::{Assets, FileError, InputFile, MAX_INPUT_BYTES, Origin, OutputName};
 pub use graph::{Graph, Setting};
 pub use library::Library;
-pub use node::{Conflict, Node, NodeKind};
+pub use node::{Conflict, Node, NodeKind, NodeMaker};
 pub use node_error::NodeError;
 pub use param::{
-    ChoiceOption, Given, ParamFault, ParamField, ParamHints, ParamKind, ParamSpec, ParamValue,
-    ParamValues, Params,
+    ChoiceOption, EntryParams, Given, ParamFault, ParamField, ParamHints, ParamKind, ParamSpec,
+    ParamValue, ParamValues, Params, Yielding,
 };
 pub use plan::{Plan, Step};
 pub use port::{Facts, InputValues, Inputs, Outputs, PortSpec, PortType, Value};
@@ -58,3 +59,4 @@ pub use report::{
 };
 pub use run::{RunOptions, Session, THREAD_NAME, run};
 pub use staging::{OutputFile, WrittenFile};
+pub use trust::NO_LIBRARY;

@@ -3,10 +3,8 @@
 use crate::diagnostic::{Diagnostic, Diagnostics, did_you_mean};
 use crate::files::{Assets, Origin};
 use crate::recipe::Recipe;
-use crate::ron::MAX_TEXT_BYTES;
+use crate::ron::{TextError, read_text};
 use crate::source::Source;
-use std::fs::{self, File};
-use std::io::Read;
 use std::path::Path;
 
 /// Recipes that are part of the program, by bare name, and the files that they read.
@@ -34,9 +32,9 @@ impl Library {
             return Err(fail(format!("there is no built-in recipe {reference:?}")));
         };
         let path = folder.join(reference);
-        let text = read_text(&path).map_err(|fault| match fault {
-            ReadFault::NotFound => self.not_found(reference),
-            ReadFault::Other(message) => fail(message),
+        let text = read_text(&path, "a recipe").map_err(|fault| match fault {
+            TextError::NotFound { .. } => self.not_found(reference),
+            fault => fail(fault.to_string()),
         })?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
@@ -55,33 +53,4 @@ impl Library {
         };
         Diagnostics(vec![Diagnostic::error(message).help(help)])
     }
-}
-
-enum ReadFault {
-    NotFound,
-    Other(String),
-}
-
-/// Reads a recipe's text, never more than a recipe may have.
-fn read_text(path: &Path) -> Result<String, ReadFault> {
-    let other = |what: &dyn std::fmt::Display| {
-        ReadFault::Other(format!("cannot read {}: {what}", path.display()))
-    };
-    let about = fs::metadata(path).map_err(|fault| match fault.kind() {
-        std::io::ErrorKind::NotFound => ReadFault::NotFound,
-        _ => other(&fault),
-    })?;
-    if !about.is_file() {
-        return Err(other(&"it is not a plain file"));
-    }
-    let bytes = about.len();
-    if bytes > MAX_TEXT_BYTES as u64 {
-        return Err(other(&format!("it has {bytes} bytes; a recipe has at most {MAX_TEXT_BYTES}")));
-    }
-    let mut text = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_TEXT_BYTES as u64).read_to_end(&mut text))
-        .map_err(|fault| other(&fault))?;
-    String::from_utf8(text)
-        .map_err(|fault| other(&format!("byte {} is no UTF-8", fault.utf8_error().valid_up_to())))
 }

@@ -6,8 +6,10 @@
 
 use crate::context::Context;
 use crate::node_error::NodeError;
-use crate::param::{ParamSpec, ParamValues, Params};
+use crate::param::{ParamKind, ParamSpec, ParamValues, Params};
 use crate::port::{InputValues, Inputs, Outputs, PortSpec, Value};
+use std::fmt;
+use std::sync::Arc;
 
 /// A parameter that is wrong only beside another one.
 #[derive(Debug, PartialEq)]
@@ -75,12 +77,78 @@ impl<N: Node> AnyNode for N {
     }
 }
 
-/// The definition of a kind of node, all read off its type.
+/// Makes a node of its parameters.
+#[derive(Clone)]
+pub struct NodeMaker(Arc<Make>);
+
+type Make = dyn Fn(&ParamValues) -> Box<dyn AnyNode> + Send + Sync;
+type Run =
+    dyn Fn(&ParamValues, &InputValues, &Context<'_>) -> Result<Vec<Value>, NodeError> + Send + Sync;
+
+impl NodeMaker {
+    /// Makes nodes of type `N`.
+    #[must_use]
+    pub fn of<N: Node>() -> Self {
+        Self(Arc::new(|values| Box::new(N::from_values(values))))
+    }
+
+    /// Makes nodes whose work is done by `run`, for definitions that come from elsewhere than a
+    /// Rust type, such as a plugin. It gives one value for each output port of the kind, in that
+    /// order and of the port's type; a run checks that.
+    pub fn of_fn<R>(run: R) -> Self
+    where
+        R: Fn(&ParamValues, &InputValues, &Context<'_>) -> Result<Vec<Value>, NodeError>
+            + Send
+            + Sync
+            + 'static,
+    {
+        let run: Arc<Run> = Arc::new(run);
+        Self(Arc::new(move |values| {
+            Box::new(Made { values: values.clone(), run: Arc::clone(&run) })
+        }))
+    }
+
+    pub(crate) fn make(&self, values: &ParamValues) -> Box<dyn AnyNode> {
+        (self.0)(values)
+    }
+}
+
+impl fmt::Debug for NodeMaker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("NodeMaker")
+    }
+}
+
+/// A node whose work is a function.
+struct Made {
+    values: ParamValues,
+    run: Arc<Run>,
+}
+
+impl AnyNode for Made {
+    fn check(&self) -> Result<(), Conflict> {
+        Ok(())
+    }
+
+    fn idle(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn run(&self, inputs: &InputValues, cx: &Context<'_>) -> Result<Vec<Value>, NodeError> {
+        (self.run)(&self.values, inputs, cx)
+    }
+}
+
+/// The definition of a kind of node: read off its type, or put together from what a plugin says.
+#[derive(Clone, Debug)]
 pub struct NodeKind {
     /// The name recipes call it by.
     pub name: &'static str,
     /// Its version; see [`Node::VERSION`].
     pub version: u32,
+    /// Where it comes from if it is no part of the program: the name and the version of a plugin.
+    /// From another one its values are made anew.
+    pub origin: Option<String>,
     /// See [`Node::USES_PREFIX`].
     pub uses_prefix: bool,
     /// The stage of the work it belongs to, such as "picture" or "path".
@@ -93,7 +161,8 @@ pub struct NodeKind {
     pub inputs: Vec<PortSpec>,
     /// Its output ports.
     pub outputs: Vec<PortSpec>,
-    pub(crate) make: fn(&ParamValues) -> Box<dyn AnyNode>,
+    /// What makes one of its parameters.
+    pub maker: NodeMaker,
 }
 
 impl NodeKind {
@@ -103,19 +172,28 @@ impl NodeKind {
         Self {
             name: N::KIND,
             version: N::VERSION,
+            origin: None,
             uses_prefix: N::USES_PREFIX,
             stage,
             about: N::about(),
             params: N::specs(),
             inputs: N::Inputs::ports(),
             outputs: N::Outputs::ports(),
-            make: |values| Box::new(N::from_values(values)),
+            maker: NodeMaker::of::<N>(),
         }
     }
 
-    /// Its parameter called `name`.
+    /// Its own parameter called `name`.
     #[must_use]
     pub fn param(&self, name: &str) -> Option<&ParamSpec> {
         self.params.iter().find(|param| param.name == name)
+    }
+
+    /// Its parameters that choose an entry whose parameters it takes, each with the catalog.
+    pub fn choosers(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        self.params.iter().filter_map(|param| match param.kind {
+            ParamKind::Catalog { catalog, takes_params: true } => Some((param.name, catalog)),
+            _ => None,
+        })
     }
 }

@@ -43,7 +43,8 @@ impl PortSpec {
 pub struct InputValues(BTreeMap<&'static str, Value>);
 
 impl InputValues {
-    pub(crate) fn insert(&mut self, port: &'static str, value: Value) {
+    /// Connects a port.
+    pub fn insert(&mut self, port: &'static str, value: Value) {
         self.0.insert(port, value);
     }
 

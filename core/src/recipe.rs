@@ -6,8 +6,9 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::files::Origin;
-use crate::ron::{self, MAX_TEXT_BYTES, Value, ValueKind};
-use crate::source::{Source, Span};
+use crate::ron::{self, Fields, Form, Item, MAX_TEXT_BYTES, Value, ValueKind};
+use crate::source::Source;
+use crate::trust;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -87,64 +88,50 @@ impl Recipe {
     pub fn read(name: &str, source: Source, origin: Origin) -> Result<Self, Diagnostics> {
         let source = Arc::new(source);
         let value = ron::parse(&source)?;
-        let mut reader = Reader { faults: Diagnostics::default() };
-        let recipe = reader.recipe(name, &source, origin, &value);
-        match recipe {
-            Some(recipe) if !reader.faults.has_errors() => Ok(recipe),
-            _ => Err(reader.faults),
-        }
+        let form = Form::default();
+        let recipe = Reader { form: &form }.recipe(name, &source, origin, &value);
+        form.finish(recipe)
     }
 }
 
-/// The fields of a struct of a recipe, taken out one by one.
-struct Fields<'a> {
-    what: String,
-    span: Span,
-    left: Vec<(&'a Name, &'a Value)>,
-    known: Vec<&'static str>,
+struct Reader<'f> {
+    form: &'f Form,
 }
 
-struct Reader {
-    faults: Diagnostics,
-}
-
-impl Reader {
-    fn fault(&mut self, span: &Span, message: impl Into<String>) {
-        self.faults.push(Diagnostic::error(message).at(span.clone()));
-    }
-
+impl<'f> Reader<'f> {
     fn recipe(
-        &mut self,
+        &self,
         name: &str,
         source: &Arc<Source>,
         origin: Origin,
-        value: &Value,
+        value: &'f Value,
     ) -> Option<Recipe> {
-        let mut fields = self.fields(value, "the recipe", Some("Recipe"))?;
+        let mut fields = self.form.item(value, "the recipe").fields(Some("Recipe"))?;
         if self.is_newer(&mut fields) {
             return None;
         }
-        let (nodes, outputs) = (fields.required("nodes", self), fields.required("outputs", self));
+        let (nodes, outputs) = (fields.required("nodes"), fields.required("outputs"));
         let recipe = Recipe {
             name: name.to_owned(),
             origin,
             source: Arc::clone(source),
-            title: self.text(fields.take("title"), "title"),
-            about: self.text(fields.take("about"), "about"),
-            inputs: self.aliases(fields.take("inputs"), "inputs", "feeds"),
-            params: self.aliases(fields.take("params"), "params", "sets"),
+            title: text(fields.optional("title")),
+            about: text(fields.optional("about")),
+            inputs: self.aliases(fields.optional("inputs"), "inputs", "feeds"),
+            params: self.aliases(fields.optional("params"), "params", "sets"),
             nodes: self.nodes(nodes),
             outputs: self.outputs(outputs),
         };
-        fields.take("layout");
-        self.no_more(fields);
+        fields.optional("layout");
+        fields.no_more_but_say(trust::about_field);
         Some(recipe)
     }
 
     /// Whether the format is newer than what this program reads. Such a one may mean anything by
     /// its fields, so nothing else is said about it.
-    fn is_newer(&mut self, fields: &mut Fields<'_>) -> bool {
-        let Some(value) = fields.required("format", self) else { return false };
+    fn is_newer(&self, fields: &mut Fields<'f>) -> bool {
+        let Some(item) = fields.required("format") else { return false };
+        let value = item.value();
         let fault = match value.kind {
             ValueKind::Integer(1..=FORMAT) => return false,
             ValueKind::Integer(format) if format > FORMAT => Diagnostic::error(format!(
@@ -156,190 +143,102 @@ impl Reader {
             }
             _ => value.mismatch("format", "a whole number"),
         };
-        self.faults.push(fault.at(value.span.clone()));
+        self.form.push(fault.at(value.span.clone()));
         matches!(value.kind, ValueKind::Integer(format) if format > FORMAT)
     }
 
-    fn outputs(&mut self, value: Option<&Value>) -> Vec<Name> {
-        let names = self.names(value, "outputs");
-        if let Some(value) = value
-            && matches!(&value.kind, ValueKind::List(items) if items.is_empty())
-        {
-            self.fault(&value.span, "outputs is empty, so the recipe is run for nothing");
+    fn outputs(&self, item: Option<Item<'f>>) -> Vec<Name> {
+        let Some(item) = item else { return Vec::new() };
+        if matches!(&item.value().kind, ValueKind::List(items) if items.is_empty()) {
+            item.fault("outputs is empty, so the recipe is run for nothing");
         }
+        let names = item.names().unwrap_or_default();
         let mut seen = HashSet::new();
         for name in names.iter().filter(|name| !seen.insert(name.text.as_str())) {
-            self.fault(&name.span, format!("outputs names {:?} twice", name.text));
+            self.form.fault(&name.span, format!("outputs names {:?} twice", name.text));
         }
         names
     }
 
-    fn nodes(&mut self, value: Option<&Value>) -> Vec<RecipeNode> {
-        let entries = self.entries(value, "nodes");
-        if entries.len() > MAX_NODES
-            && let Some(value) = value
-        {
+    fn nodes(&self, item: Option<Item<'f>>) -> Vec<RecipeNode> {
+        let Some(item) = item else { return Vec::new() };
+        let entries = item.clone().entries().unwrap_or_default();
+        if entries.len() > MAX_NODES {
             let count = entries.len();
-            let message = format!("the recipe has {count} nodes; the limit is {MAX_NODES}");
-            self.fault(&value.span, message);
+            item.fault(format!("the recipe has {count} nodes; the limit is {MAX_NODES}"));
             return Vec::new();
         }
-        entries.into_iter().filter_map(|(id, value)| self.node(id, value)).collect()
+        entries.into_iter().filter_map(|(id, item)| self.node(id, item)).collect()
     }
 
-    fn node(&mut self, id: Name, value: &Value) -> Option<RecipeNode> {
+    fn node(&self, id: Name, item: Item<'f>) -> Option<RecipeNode> {
         self.check_name(&id, "a node");
-        let mut fields = self.fields(value, &format!("node {:?}", id.text), None)?;
-        let kind = fields.required("kind", self).and_then(|value| self.name(value, "kind"));
-        let from = self.entries(fields.take("from"), "from");
-        let from = from
-            .into_iter()
-            .filter_map(|(port, value)| Some((port, self.name(value, "a source in from")?)))
-            .collect();
-        let set = self.entries(fields.take("set"), "set");
-        let set = set.into_iter().filter_map(|(name, value)| self.literal(name, value)).collect();
-        self.text(fields.take("note"), "note");
-        self.no_more(fields);
+        let mut fields = item.called(format!("node {:?}", id.text)).fields(None)?;
+        let kind = fields.required("kind").and_then(Item::name);
+        let source =
+            |(port, item): (Name, Item<'f>)| Some((port, item.called("a source in from").name()?));
+        let from = entries(fields.optional("from")).into_iter().filter_map(source).collect();
+        let set = entries(fields.optional("set"));
+        let set = set.into_iter().filter_map(|(name, item)| self.literal(name, &item)).collect();
+        text(fields.optional("note"));
+        fields.no_more_but_say(trust::about_field);
         Some(RecipeNode { id, kind: kind?, from, set })
     }
 
     /// What a field is set to; complains of what no field takes.
-    fn literal(&mut self, name: Name, value: &Value) -> Option<(Name, Value)> {
-        match &value.kind {
+    fn literal(&self, name: Name, item: &Item<'f>) -> Option<(Name, Value)> {
+        match &item.value().kind {
             ValueKind::Text(text) if text.len() > MAX_VALUE_BYTES => {
                 let (what, bytes) = (&name.text, text.len());
-                let message = format!("{what} has {bytes} bytes; the limit is {MAX_VALUE_BYTES}");
-                self.fault(&value.span, message);
+                item.fault(format!("{what} has {bytes} bytes; the limit is {MAX_VALUE_BYTES}"));
                 None
             }
             ValueKind::Unit
             | ValueKind::List(_)
             | ValueKind::Map(_)
             | ValueKind::Struct { .. }
-            | ValueKind::Tuple { .. } => {
-                let fault = value.mismatch(&name.text, "a number, a text, true or false");
-                self.faults.push(fault);
-                None
-            }
-            _ => Some((name, value.clone())),
+            | ValueKind::Tuple { .. } => item.mismatch("a number, a text, true or false"),
+            _ => Some((name, item.value().clone())),
         }
     }
 
-    fn check_name(&mut self, name: &Name, what: &str) {
+    fn check_name(&self, name: &Name, what: &str) {
         let fits = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
         let Name { text, span } = name;
         if text.is_empty() || text.len() > 64 || !text.chars().all(fits) {
             let fault = Diagnostic::error(format!("{text:?} is no name for {what}"));
             let help = "letters, digits, _ and - do, 64 at most";
-            self.faults.push(fault.at(span.clone()).help(help));
+            self.form.push(fault.at(span.clone()).help(help));
         }
     }
 
     /// Names for what is inside the recipe. Nothing may be driven by two of them: which one counts
     /// would depend on their order.
-    fn aliases(&mut self, value: Option<&Value>, what: &str, targets: &'static str) -> Vec<Alias> {
+    fn aliases(&self, item: Option<Item<'f>>, what: &str, targets: &'static str) -> Vec<Alias> {
         let mut aliases = Vec::new();
-        for (name, value) in self.entries(value, what) {
+        for (name, item) in entries(item) {
             self.check_name(&name, "what a user sets");
-            let Some(mut fields) = self.fields(value, &format!("{:?}", name.text), None) else {
+            let Some(mut fields) = item.called(format!("{:?}", name.text)).fields(None) else {
                 continue;
             };
-            let about = self.text(fields.take("about"), "about");
-            let list = fields.required(targets, self);
-            let targets = self.names(list, targets);
-            self.no_more(fields);
+            let about = text(fields.optional("about"));
+            let targets = fields.required(targets).and_then(Item::names).unwrap_or_default();
+            fields.no_more();
             aliases.push(Alias { name, targets, about });
         }
         let mut seen = HashSet::new();
         let targets = aliases.iter().flat_map(|alias| &alias.targets);
         for target in targets.filter(|target| !seen.insert(target.text.as_str())) {
-            self.fault(&target.span, format!("{what} drives {:?} twice", target.text));
+            self.form.fault(&target.span, format!("{what} drives {:?} twice", target.text));
         }
         aliases
     }
-
-    /// A struct's fields. `named` is the name that the struct may carry.
-    fn fields<'a>(
-        &mut self,
-        value: &'a Value,
-        what: &str,
-        named: Option<&str>,
-    ) -> Option<Fields<'a>> {
-        let (name, fields) = match &value.kind {
-            ValueKind::Struct { name, fields } => (name.as_ref(), fields.as_slice()),
-            ValueKind::Unit => (None, [].as_slice()),
-            _ => {
-                self.faults.push(value.mismatch(what, "fields in (...)"));
-                return None;
-            }
-        };
-        if let Some(Name { text, span }) = name
-            && named != Some(text.as_str())
-        {
-            let wanted =
-                named.map_or("nothing".to_owned(), |named| format!("{named:?} or nothing"));
-            self.fault(span, format!("before the fields of {what} stands {wanted}, not {text:?}"));
-        }
-        let left = fields.iter().map(|(name, value)| (name, value)).collect();
-        Some(Fields { what: what.to_owned(), span: value.span.clone(), left, known: Vec::new() })
-    }
-
-    /// Complains about the fields that nobody took.
-    fn no_more(&mut self, fields: Fields<'_>) {
-        for (name, _) in &fields.left {
-            let message = format!("{} has no field {:?}", fields.what, name.text);
-            let fault = Diagnostic::error(message).at(name.span.clone());
-            self.faults.push_near(fault, &name.text, fields.known.iter().copied());
-        }
-    }
-
-    /// The entries of a map whose keys are texts.
-    fn entries<'a>(&mut self, value: Option<&'a Value>, what: &str) -> Vec<(Name, &'a Value)> {
-        let Some(value) = value else { return Vec::new() };
-        let ValueKind::Map(entries) = &value.kind else {
-            self.faults.push(value.mismatch(what, "a map {...}"));
-            return Vec::new();
-        };
-        let key = format!("a key of {what}");
-        entries.iter().filter_map(|(name, value)| Some((self.name(name, &key)?, value))).collect()
-    }
-
-    fn names(&mut self, value: Option<&Value>, what: &str) -> Vec<Name> {
-        let Some(value) = value else { return Vec::new() };
-        let ValueKind::List(items) = &value.kind else {
-            self.faults.push(value.mismatch(what, "a list [...]"));
-            return Vec::new();
-        };
-        items.iter().filter_map(|item| self.name(item, what)).collect()
-    }
-
-    fn name(&mut self, value: &Value, what: &str) -> Option<Name> {
-        match value.as_text(what) {
-            Ok(text) => Some(Name { text: text.to_owned(), span: value.span.clone() }),
-            Err(fault) => {
-                self.faults.push(fault);
-                None
-            }
-        }
-    }
-
-    fn text(&mut self, value: Option<&Value>, what: &str) -> String {
-        value.and_then(|value| self.name(value, what)).map(|name| name.text).unwrap_or_default()
-    }
 }
 
-impl<'a> Fields<'a> {
-    fn take(&mut self, name: &'static str) -> Option<&'a Value> {
-        self.known.push(name);
-        let at = self.left.iter().position(|(known, _)| known.text == name)?;
-        Some(self.left.remove(at).1)
-    }
+fn text(item: Option<Item<'_>>) -> String {
+    item.and_then(Item::text).unwrap_or_default()
+}
 
-    fn required(&mut self, name: &'static str, reader: &mut Reader) -> Option<&'a Value> {
-        let value = self.take(name);
-        if value.is_none() {
-            reader.fault(&self.span, format!("{} lacks the field {name:?}", self.what));
-        }
-        value
-    }
+fn entries<'f>(item: Option<Item<'f>>) -> Vec<(Name, Item<'f>)> {
+    item.and_then(Item::entries).unwrap_or_default()
 }

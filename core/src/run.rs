@@ -13,7 +13,7 @@ use crate::files::{FileError, InputFile};
 use crate::graph::GraphNode;
 use crate::node_error::NodeError;
 use crate::plan::{Plan, Step, output_types};
-use crate::port::{InputValues, Value};
+use crate::port::{InputValues, PortSpec, Value};
 use crate::report::{
     NodeReport, NodeStatus, Observer, PortReport, RunReport, RunStatus, peak_rss_mb,
 };
@@ -306,6 +306,7 @@ impl<'a> Runner<'a> {
             let node = &self.plan.graph.nodes[at].node;
             let work = || {
                 let values = node.run(&inputs, &context)?;
+                self.check_outputs(at, &values)?;
                 let outputs = self.facts(at, &values);
                 Ok((values, outputs))
             };
@@ -340,6 +341,19 @@ impl<'a> Runner<'a> {
             }
         }
         Outcome { report, values, ended }
+    }
+
+    /// Whether a node gave what its kind promises: one whose work is a function may not.
+    fn check_outputs(&self, at: usize, values: &[Value]) -> Result<(), NodeError> {
+        let kind = self.plan.graph.kind(&self.plan.graph.nodes[at]);
+        let is_promised = |(port, value): (&PortSpec, &Value)| (**value).type_id() == port.type_id;
+        if values.len() == kind.outputs.len() && kind.outputs.iter().zip(values).all(is_promised) {
+            return Ok(());
+        }
+        let origin = kind.origin.as_deref().unwrap_or("the program");
+        Err(NodeError::failed(format!(
+            "it gave other outputs than its definition promises: a fault of {origin}"
+        )))
     }
 
     fn context(&self, at: usize) -> Context<'_> {

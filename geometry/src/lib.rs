@@ -11,6 +11,8 @@ mod drop_cutter;
 mod height_field;
 mod link;
 mod mesh;
+#[cfg(feature = "oracle")]
+pub mod oracle;
 mod pattern;
 mod point_cloud;
 mod profile;

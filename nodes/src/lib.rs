@@ -5,9 +5,11 @@
 //! its definition.
 
 mod library;
+mod offers;
 mod output;
 mod path;
 mod picture;
+mod plugin;
 mod registry;
 mod surface;
 #[cfg(test)]
@@ -16,5 +18,7 @@ mod values;
 
 pub use carvegraph_sdk::{CutterShape, Dialect};
 pub use library::LIBRARY;
+pub use offers::{Batch, OfferError, Offers};
+pub use plugin::{PluginNodeError, kind_of};
 pub use registry::{Cutters, Dialects, registry};
 pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};

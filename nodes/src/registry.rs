@@ -1,12 +1,17 @@
 //! The one list of nodes, the one list of what passes between them, and the catalogs they use.
 
+use crate::offers::{Offers, Versioned};
 use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
 use crate::{output, path, picture, surface};
-use carvegraph_core::{Catalogs, Facts, NodeKind, PortType, Registry, RegistryError};
+use carvegraph_core::units::Dimension;
+use carvegraph_core::{
+    CatalogEntry, Catalogs, Facts, NodeKind, ParamKind, ParamSpec, ParamValue, PortType, Registry,
+    RegistryError,
+};
 use carvegraph_geometry::{
     Bounds, Cutter, HeightField, Mesh, Pattern, PointCloud, Reduction, SpanKind, Toolpath,
 };
-use carvegraph_sdk::{CutterShape, Dialect};
+use carvegraph_sdk::{CutterShape, Dialect, DimensionSpec, DimensionUnit};
 use serde_json::{Value as Json, json};
 use std::mem::size_of;
 
@@ -32,21 +37,73 @@ impl Dialects {
     }
 }
 
-/// The standard nodes, with these cutters and dialects to choose from.
+/// The standard nodes, and all that is offered beside them.
 ///
 /// # Errors
-/// If the lists below are not in order: a fault in this file.
-pub fn registry(cutters: Cutters, dialects: Dialects) -> Result<Registry, RegistryError> {
-    let version = || env!("CARGO_PKG_VERSION").to_owned();
-    let names: Vec<_> = cutters.0.iter().map(|c| (c.name().to_owned(), version())).collect();
-    let catalogs = Catalogs::default().with("cutter", names, cutters);
-    let names: Vec<_> = dialects.0.iter().map(|d| (d.name().to_owned(), version())).collect();
-    let catalogs = catalogs.with("dialect", names, dialects);
-    Registry::new(kinds(), types(), catalogs)
+/// If something that is offered does not describe itself soundly, or the lists below are not in order,
+/// which is a fault in this file.
+pub fn registry(offers: Offers) -> Result<Registry, RegistryError> {
+    let Offers { cutters, dialects, nodes, missing } = offers;
+    let entries: Vec<_> = cutters.iter().map(cutter_entry).collect();
+    let cutters = Cutters(cutters.into_iter().map(|offer| offer.thing).collect());
+    let catalogs = Catalogs::default().with("cutter", entries, cutters);
+    let entry = |offer: &Versioned<Box<dyn Dialect>>| {
+        CatalogEntry::new(offer.thing.name(), offer.version.as_str())
+    };
+    let entries: Vec<_> = dialects.iter().map(entry).collect();
+    let dialects = Dialects(dialects.into_iter().map(|offer| offer.thing).collect());
+    let catalogs = catalogs.with("dialect", entries, dialects);
+    let registry = Registry::new(merged(kinds(), nodes), types(), catalogs)?;
+    Ok(missing.into_iter().fold(registry, |registry, (sort, missing)| match sort {
+        "node" => registry.with_missing_kinds([missing]),
+        catalog => registry.with_missing_entries(catalog, [missing]),
+    }))
+}
+
+/// Adds `extra` to a list that is in order. Each goes to its place; the list is not sorted anew, or
+/// a slip in its order would go unseen.
+fn merged(mut kinds: Vec<NodeKind>, extra: Vec<NodeKind>) -> Vec<NodeKind> {
+    for kind in extra {
+        let place = kinds.partition_point(|known| known.name <= kind.name);
+        kinds.insert(place, kind);
+    }
+    kinds
+}
+
+/// A shape, and its dimensions and drawing as parameters of the node that chooses it.
+fn cutter_entry(offer: &Versioned<Box<dyn CutterShape>>) -> CatalogEntry {
+    let shape = &offer.thing;
+    let dimensions = shape.dimensions().iter().map(dimension_param);
+    let params = dimensions.chain(shape.drawing().map(drawing_param)).collect();
+    CatalogEntry { params, ..CatalogEntry::new(shape.name(), offer.version.as_str()) }
+}
+
+fn dimension_param(spec: &DimensionSpec) -> ParamSpec {
+    let dimension = match spec.unit {
+        DimensionUnit::Mm => Dimension::Length,
+        DimensionUnit::Deg => Dimension::Angle,
+    };
+    ParamSpec {
+        name: spec.name,
+        about: sentence(spec.about).into(),
+        kind: ParamKind::Number { dimension, min: spec.min, max: spec.max },
+        default: Some(ParamValue::Number(spec.default)),
+        yields: false,
+    }
+}
+
+fn drawing_param(about: &str) -> ParamSpec {
+    let (name, about) = (path::DRAWING, sentence(about).into());
+    ParamSpec { name, about, kind: ParamKind::InputFile, default: None, yields: false }
+}
+
+/// A line with the full stop that parameters are described with.
+fn sentence(line: &str) -> String {
+    format!("{}.", line.trim_end_matches('.'))
 }
 
 /// Every node, sorted by name.
-fn kinds() -> Vec<NodeKind> {
+pub(crate) fn kinds() -> Vec<NodeKind> {
     vec![
         NodeKind::of::<path::CutterNode>("path"),
         NodeKind::of::<path::DropCutter>("path"),

@@ -319,9 +319,57 @@ typedef struct cg_array {
     size_t count;     /* of elements: n points in space have 3 n */
 } cg_array;
 
-/* A value at a port: a type, and its arrays in this order.
+/* A value at a port: a type, and its arrays in this order, no other. A text is the array of its UTF-8
+ * bytes. Points are x y z (or x y), one after the other, in mm; surfaces are grids or triangles. What
+ * carve gives is well-formed and finite; what it is given is checked, and refused with a message.
  *
- *@VALUES@
+ *   type         array             element         count
+ *   bounds       min_mm            f64             3        the corner with the least x, y, z
+ *                max_mm            f64             3        the corner with the greatest
+ *   cutter       name              u8              any      what people call it; a text
+ *                segment_kinds     u8              n        of its profile: CG_LINE or CG_ARC
+ *                segment_ends      f64             2 n      as cg_segment.to
+ *                segment_centers   f64             2 n      as cg_segment.center; 0 0 for a line
+ *   gcode        text              u8              any      the program, as the controller wants it
+ *                dialect           u8              any      what it is written in; a text
+ *                extension         u8              any      of its file, without the dot; a text
+ *   gray_image   width             u64             1        pixels across
+ *                height            u64             1        pixels down
+ *                values            f32             w h      row by row from the top; 0 black, 1 white
+ *   height_field columns           u64             1        nodes along x, 2 or more
+ *                rows              u64             1        nodes along y, 2 or more
+ *                pitch_mm          f64             1        between neighbours along x and y
+ *                heights           f32             c r      row by row from y = 0, x fastest
+ *   image        width             u64             1        pixels across
+ *                height            u64             1        pixels down
+ *                channels          u64             1        1 gray, 2 + opacity, 3 r g b, 4 + opacity
+ *                samples           u8/u16/f32      w h c    pixel by pixel, row by row from the top;
+ *                                                           white is 255, 65535 or 1
+ *   mesh         vertices          f64             3 v      points
+ *                triangles         u32             3 t      three vertices each, from 0, counter-
+ *                                                           clockwise seen from outside
+ *   pattern      points            f64             2 n      x y, in the order in which they are visited
+ *                span_points       u64             s        points of each run: 1 or more, n in all
+ *                span_links        u8              s        1: joins two passes, 0: is a pass
+ *                span_joined       u8              s        1: is reached along the surface from the
+ *                                                           run before, 0: the cutter is lifted over
+ *   point_cloud  points            f64             3 n      points
+ *                grid              u64             2 or 0   columns, rows: if they are a grid's nodes,
+ *                                                           row by row, x fastest
+ *   reduction    points_in         u64             1        points of passes and links before
+ *                points_out        u64             1        and after
+ *                max_deviation_mm  f64             1        of the path from a point left out
+ *                max_above_mm      f64             1        of the path above one: material stays
+ *                max_below_mm      f64             1        of the path below one: a gouge
+ *   remark       text              u8              any      a sentence for the summary
+ *   toolpath     tips              f64             3 n      the cutter's tip, in the order of the moves
+ *                contact_points    f64             3 n      where it touches; 0 0 0 where it does not
+ *                contact_kinds     u8              n        0 nothing, 1 facet, 2 edge, 3 vertex
+ *                span_points       u64             s        points of each run: 1 or more, n in all
+ *                span_kinds        u8              s        0 pass, 1 link, 2 plunge, 3 rapid
+ *                span_joined       u8              s        1: goes on from the last point of the run
+ *                                                           before, 0: the cutter is lifted over
+ *                feeds_mm_per_min  f64             3 or 0   of passes and links, of plunges, of rapids
  */
 typedef struct cg_value {
     cg_text type_name;

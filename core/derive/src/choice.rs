@@ -21,6 +21,8 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
     }
     Ok(quote! {
         impl ::carvegraph_core::ParamField for #name {
+            type Plain = Self;
+
             fn kind(_: &::carvegraph_core::ParamHints) -> ::carvegraph_core::ParamKind {
                 const OPTIONS: &[::carvegraph_core::ChoiceOption] = &[#(#options),*];
                 ::carvegraph_core::ParamKind::Choice(OPTIONS)

@@ -2,7 +2,8 @@
 //!
 //! * `Params`: each field is a parameter. Its doc comment is its description;
 //!   `#[param(default = …, unit = "mm", range = 0.1..=50.0, odd, catalog = "dialect")]` the rest.
-//!   A field without `default` must be set by the recipe.
+//!   A field without `default` must be set by the recipe. A field with `entry_of = "…"` and nothing
+//!   else holds the parameters of the catalog entry that the named field chose.
 //! * `Choice`: an enum of unit variants that a parameter chooses from, spelled in `snake_case`.
 //! * `Inputs`: a struct of `&'a T` (wanted) and `Option<&'a T>` (optional) fields, one a port.
 //! * `Outputs`: a struct of owned values, one a port.
@@ -159,8 +160,33 @@ mod tests {
         field(parse_quote!(#[param(range = ..=2)]), "");
         field(parse_quote!(#[other(whatever)]), "");
         field(parse_quote!(#[param(range = 0.0..2.0)]), "write ..=, the last value is allowed");
-        let known = "unknown: default, unit, range, odd or catalog";
+        let known = "unknown: default, unit, range, odd, catalog or entry_of";
         field(parse_quote!(#[param(units = "mm")]), known);
+    }
+
+    #[test]
+    fn parameters_of_an_entry_need_a_field_that_chooses_it() {
+        let check = |attribute: syn::Attribute, expected: &str| {
+            let input = parse_quote!(
+                #[doc = "D"]
+                struct A {
+                    #[doc = "D"]
+                    #[param(catalog = "c")]
+                    a: String,
+                    #[doc = "D"]
+                    b: String,
+                    #[doc = "D"]
+                    #attribute
+                    c: EntryParams,
+                }
+            );
+            check(params::expand, input, expected);
+        };
+        check(parse_quote!(#[param(entry_of = "a")]), "");
+        check(parse_quote!(#[param(entry_of = "a", odd)]), "entry_of stands alone");
+        let lacks = "entry_of names a field with a catalog";
+        check(parse_quote!(#[param(entry_of = "b")]), lacks);
+        check(parse_quote!(#[param(entry_of = "z")]), lacks);
     }
 
     #[test]

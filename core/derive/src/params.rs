@@ -13,16 +13,32 @@ struct Attributes {
     range: Option<ExprRange>,
     odd: bool,
     catalog: Option<LitStr>,
+    entry_of: Option<LitStr>,
+}
+
+/// A field of the struct and what its attributes say.
+struct Param<'a> {
+    field: &'a Field,
+    key: String,
+    attributes: Attributes,
 }
 
 pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
     let name = &input.ident;
     let about = required_docs(&input.attrs, name)?;
     let fields = named_fields(input)?;
-    let specs = fields.iter().map(|field| spec(field)).collect::<syn::Result<Vec<_>>>()?;
-    let reads = fields.iter().map(|field| {
-        let (ident, key) = (&field.ident, key(field));
-        quote!(#ident: ::carvegraph_core::ParamField::from_value(values.get(#key)))
+    let params = fields.into_iter().map(read).collect::<syn::Result<Vec<_>>>()?;
+    for param in &params {
+        check_entry_of(param, &params)?;
+    }
+    let own = params.iter().filter(|param| param.attributes.entry_of.is_none());
+    let specs = own.map(|param| spec(param, &params)).collect::<syn::Result<Vec<_>>>()?;
+    let reads = params.iter().map(|param| {
+        let (ident, key) = (&param.field.ident, &param.key);
+        match &param.attributes.entry_of {
+            Some(chooser) => quote!(#ident: values.of_entry(#chooser)),
+            None => quote!(#ident: ::carvegraph_core::ParamField::from_values(values, #key)),
+        }
     });
     Ok(quote! {
         impl ::carvegraph_core::Params for #name {
@@ -38,20 +54,39 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
     })
 }
 
-fn key(field: &Field) -> String {
-    field.ident.as_ref().map(|name| name.unraw().to_string()).unwrap_or_default()
+fn read(field: &Field) -> syn::Result<Param<'_>> {
+    let key = field.ident.as_ref().map(|name| name.unraw().to_string()).unwrap_or_default();
+    Ok(Param { field, key, attributes: read_attributes(field)? })
 }
 
-fn spec(field: &Field) -> syn::Result<Tokens> {
+/// A field that takes the parameters of an entry has a field that chooses the entry, and says
+/// nothing else, since all else is said by the entry.
+fn check_entry_of(param: &Param<'_>, params: &[Param<'_>]) -> syn::Result<()> {
+    let Attributes { default, unit, range, odd, catalog, entry_of } = &param.attributes;
+    let Some(chooser) = entry_of else { return Ok(()) };
+    let is_plain =
+        default.is_none() && unit.is_none() && range.is_none() && !odd && catalog.is_none();
+    let is_chooser =
+        |param: &Param<'_>| param.key == chooser.value() && param.attributes.catalog.is_some();
+    match () {
+        () if !is_plain => Err(syn::Error::new_spanned(param.field, "entry_of stands alone")),
+        () if !params.iter().any(is_chooser) => {
+            Err(syn::Error::new_spanned(chooser, "entry_of names a field with a catalog"))
+        }
+        () => required_docs(&param.field.attrs, param.field).map(drop),
+    }
+}
+
+fn spec(param: &Param<'_>, params: &[Param<'_>]) -> syn::Result<Tokens> {
+    let Param { field, key, attributes } = param;
     let about = required_docs(&field.attrs, field)?;
-    let (key, ty) = (key(field), &field.ty);
-    let attributes = read_attributes(field)?;
+    let ty = &field.ty;
     let default = match &attributes.default {
         None => quote!(::std::option::Option::None),
         Some(value) => {
             let value = typed_default(value);
             quote!({
-                let default: #ty = #value;
+                let default: <#ty as ::carvegraph_core::ParamField>::Plain = #value;
                 ::std::option::Option::Some(::carvegraph_core::ParamField::to_value(&default))
             })
         }
@@ -60,18 +95,23 @@ fn spec(field: &Field) -> syn::Result<Tokens> {
     let catalog = optional(attributes.catalog.as_ref().map(|catalog| quote!(#catalog)));
     let (min, max) = limits(attributes.range.as_ref())?;
     let odd = attributes.odd;
+    let takes_params = params.iter().any(|other| {
+        other.attributes.entry_of.as_ref().is_some_and(|chooser| chooser.value() == *key)
+    });
     Ok(quote! {
         ::carvegraph_core::ParamSpec {
             name: #key,
-            about: #about,
+            about: ::std::borrow::Cow::Borrowed(#about),
             kind: <#ty as ::carvegraph_core::ParamField>::kind(&::carvegraph_core::ParamHints {
                 unit: #unit,
                 min: #min,
                 max: #max,
                 odd: #odd,
                 catalog: #catalog,
+                takes_params: #takes_params,
             }),
             default: #default,
+            yields: <#ty as ::carvegraph_core::ParamField>::YIELDS,
         }
     })
 }
@@ -88,10 +128,12 @@ fn read_attributes(field: &Field) -> syn::Result<Attributes> {
                 attributes.range = Some(meta.value()?.parse()?);
             } else if meta.path.is_ident("catalog") {
                 attributes.catalog = Some(meta.value()?.parse()?);
+            } else if meta.path.is_ident("entry_of") {
+                attributes.entry_of = Some(meta.value()?.parse()?);
             } else if meta.path.is_ident("odd") {
                 attributes.odd = true;
             } else {
-                return Err(meta.error("unknown: default, unit, range, odd or catalog"));
+                return Err(meta.error("unknown: default, unit, range, odd, catalog or entry_of"));
             }
             Ok(())
         })?;

@@ -54,6 +54,9 @@ fn own_parts(graph: &Graph, node: &GraphNode, files: &FileHashes) -> Parts {
     let kind = graph.kind(node);
     let mut parts = Parts::new();
     parts.insert("node kind".into(), format!("{} version {}", kind.name, kind.version));
+    if let Some(origin) = &kind.origin {
+        parts.insert("origin of the node kind".into(), origin.clone());
+    }
     parts.insert("program".into(), env!("CARGO_PKG_VERSION").into());
     if graph.uses_prefix(node) {
         parts.insert("name of the output".into(), node.prefix.clone());
@@ -68,9 +71,14 @@ fn own_parts(graph: &Graph, node: &GraphNode, files: &FileHashes) -> Parts {
                 parts.insert(format!("parameter {name}"), value.to_string());
             }
         }
-        if let Some(ParamKind::Catalog(catalog)) = kind.param(name).map(|spec| &spec.kind) {
-            let version = graph.catalogs().version(catalog, value.text()).unwrap_or_default();
-            parts.insert(format!("version of {catalog} {}", value.text()), version.into());
+        let Some(spec) = graph.param(node, name) else { continue };
+        if spec.yields {
+            parts.insert(format!("whether {name} is set"), node.values.is_set(name).to_string());
+        }
+        if let ParamKind::Catalog { catalog, .. } = spec.kind {
+            let entry = graph.catalogs().entry(catalog, value.text());
+            let version = entry.map(|entry| entry.version.clone()).unwrap_or_default();
+            parts.insert(format!("version of {catalog} {}", value.text()), version);
         }
     }
     parts

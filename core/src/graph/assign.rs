@@ -40,10 +40,8 @@ impl Flattener<'_> {
     pub(super) fn check_param(&mut self, scope: usize, target: &Name) {
         match self.resolve(scope, target) {
             Some((Member::Node(at), field)) => {
-                if let Some(kind) = self.flat.nodes[at].kind {
-                    let id = self.flat.nodes[at].id.clone();
-                    self.check_field(kind, &id, &field.text, &field.span);
-                }
+                let id = self.flat.nodes[at].id.clone();
+                self.check_field(at, &id, &field.text, &field.span);
             }
             Some((Member::Recipe(inner), field)) => {
                 self.alias(inner, &target.text, &field, "parameter", |recipe| &recipe.params);
@@ -154,8 +152,7 @@ impl Flattener<'_> {
         };
         let field = Name { text: field.to_owned(), span: name.span.clone() };
         if let Member::Node(at) = member
-            && let Some(kind) = self.flat.nodes[at].kind
-            && !self.check_field(kind, id, &field.text, &field.span)
+            && !self.check_field(at, id, &field.text, &field.span)
         {
             return;
         }

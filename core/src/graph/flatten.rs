@@ -6,9 +6,11 @@
 //! is driven by two names (see [`recipe`](crate::recipe)) all work is linear in the text laid out.
 
 use super::wire::{self, Port};
+use crate::catalog::Catalogs;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::files::Origin;
 use crate::library::Library;
+use crate::node::NodeKind;
 use crate::param::Given;
 use crate::recipe::{
     MAX_DEPTH, MAX_LAID_OUT_BYTES, MAX_NODES, Name, RECIPE_KIND, Recipe, RecipeNode,
@@ -16,7 +18,8 @@ use crate::recipe::{
 use crate::registry::Registry;
 use crate::ron::Value;
 use crate::source::Span;
-use std::collections::{BTreeMap, HashMap};
+use crate::trust;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::rc::Rc;
 
 /// The parameter of a node that stands for another recipe: which one.
@@ -27,6 +30,15 @@ const RECIPE_PARAM: &str = "recipe";
 pub(super) enum Content {
     Literal(Value),
     Word(String),
+}
+
+impl Content {
+    fn as_word(&self) -> Option<&str> {
+        match self {
+            Self::Literal(value) => value.as_str(),
+            Self::Word(word) => Some(word),
+        }
+    }
 }
 
 /// What a field is set to, and by what.
@@ -70,6 +82,17 @@ pub(super) struct FlatNode {
 impl FlatNode {
     pub(super) fn fault(&self, message: String) -> Diagnostic {
         Diagnostic::error(message).at(self.span.clone())
+    }
+
+    /// Whether an entry is chosen that is known but not to be had.
+    fn misses_entry(&self, kind: &NodeKind, catalogs: &Catalogs) -> bool {
+        kind.choosers().any(|(chooser, catalog)| {
+            let chosen = self.set.get(chooser).and_then(|assigned| assigned.content.as_word());
+            chosen.is_some_and(|chosen| {
+                catalogs.entry(catalog, chosen).is_none()
+                    && catalogs.missing(catalog, chosen).is_some()
+            })
+        })
     }
 }
 
@@ -169,22 +192,6 @@ impl<'a> Flattener<'a> {
     fn node(&mut self, recipe: &Recipe, node: &RecipeNode, prefix: &str, scope: usize) -> usize {
         let kinds = self.registry.kinds();
         let kind = kinds.binary_search_by(|kind| kind.name.cmp(&node.kind.text)).ok();
-        match kind {
-            None => {
-                let message = format!("there is no kind of node called {:?}", node.kind.text);
-                let fault = Diagnostic::error(message).at(node.kind.span.clone());
-                let names = kinds.iter().map(|kind| kind.name).chain([RECIPE_KIND]);
-                self.faults.push_near(fault, &node.kind.text, names);
-            }
-            Some(kind) => {
-                for (name, _) in &node.set {
-                    self.check_field(kind, &node.id.text, &name.text, &name.span);
-                }
-                for (port, _) in &node.from {
-                    self.check_port(kind, &node.id.text, &port.text, &port.span);
-                }
-            }
-        }
         let set = node
             .set
             .iter()
@@ -194,20 +201,61 @@ impl<'a> Flattener<'a> {
             .iter()
             .map(|(port, source)| (port.text.clone(), Feed { source: source.clone(), scope }));
         let (id, span) = (format!("{prefix}{}", node.id.text), node.id.span.clone());
-        let node = FlatNode { id, span, kind, set: set.collect(), from: from.collect() };
-        self.flat.nodes.push(node);
-        self.flat.nodes.len() - 1
+        let flat = FlatNode { id, span, kind, set: set.collect(), from: from.collect() };
+        self.flat.nodes.push(flat);
+        let at = self.flat.nodes.len() - 1;
+        let Some(kind) = kind else {
+            self.unknown_kind(&node.kind);
+            return at;
+        };
+        for (name, _) in &node.set {
+            self.check_field(at, &node.id.text, &name.text, &name.span);
+        }
+        for (port, _) in &node.from {
+            self.check_port(kind, &node.id.text, &port.text, &port.span);
+        }
+        at
     }
 
-    /// Whether a kind has a parameter; complains if not.
-    pub(super) fn check_field(&mut self, kind: usize, id: &str, field: &str, span: &Span) -> bool {
+    fn unknown_kind(&mut self, kind: &Name) {
+        let message = format!("there is no kind of node called {:?}", kind.text);
+        let fault = |message: String| Diagnostic::error(message).at(kind.span.clone());
+        if let Some(missing) = self.registry.missing_kind(&kind.text) {
+            let fault = fault(format!("{message}: {}", missing.why));
+            return self.faults.push(fault.help(missing.help.as_str()));
+        }
+        if trust::looks_like_library(&kind.text) {
+            let help = format!(
+                "for another recipe write kind: {RECIPE_KIND:?}, set: {{ {RECIPE_PARAM:?}: \"name.ron\" }}"
+            );
+            let fault = fault(format!("{message}; {}", trust::NO_LIBRARY));
+            return self.faults.push(fault.help(help));
+        }
+        let names = self.registry.kinds().iter().map(|kind| kind.name).chain([RECIPE_KIND]);
+        self.faults.push_near(fault(message), &kind.text, names);
+    }
+
+    /// Whether a node has a parameter, of its own or of some entry that it may choose; complains if
+    /// not. Which entry it will choose is not known yet.
+    pub(super) fn check_field(&mut self, at: usize, id: &str, field: &str, span: &Span) -> bool {
+        let node = &self.flat.nodes[at];
+        let Some(kind) = node.kind else { return true };
         let kind = &self.registry.kinds()[kind];
         if kind.param(field).is_some() {
             return true;
         }
+        let catalogs = self.registry.catalogs();
+        let entries = kind.choosers().flat_map(|(_, catalog)| catalogs.entries(catalog));
+        let brought = entries.flat_map(|entry| &entry.params);
+        let names: BTreeSet<&str> =
+            kind.params.iter().chain(brought).map(|param| param.name).collect();
+        // Of an entry that is not to be had nobody knows the parameters.
+        if names.contains(field) || node.misses_entry(kind, catalogs) {
+            return true;
+        }
         let message = format!("node {id:?} ({}) has no parameter {field:?}", kind.name);
         let fault = Diagnostic::error(message).at(span.clone());
-        self.faults.push_near(fault, field, kind.params.iter().map(|param| param.name));
+        self.faults.push_near(fault, field, names);
         false
     }
 

@@ -13,7 +13,7 @@ use crate::diagnostic::Diagnostics;
 use crate::files::{Files, InputFile, harmless_stem};
 use crate::library::Library;
 use crate::node::{AnyNode, NodeKind};
-use crate::param::{ParamValue, ParamValues};
+use crate::param::{ParamSpec, ParamValue, ParamValues};
 use crate::recipe::Recipe;
 use crate::registry::Registry;
 use crate::source::Span;
@@ -141,6 +141,17 @@ impl Graph {
         &self.registry.kinds()[node.kind]
     }
 
+    /// The definition of a node's parameter: one of its kind's, or one that came with an entry that
+    /// the node chose.
+    #[must_use]
+    pub fn param(&self, node: &GraphNode, name: &str) -> Option<&ParamSpec> {
+        let kind = self.kind(node);
+        let chosen = |(chooser, catalog)| {
+            self.catalogs().entry(catalog, node.values.find(chooser)?.text())?.param(name)
+        };
+        kind.param(name).or_else(|| kind.choosers().find_map(chosen))
+    }
+
     /// The number of the node called `id`.
     #[must_use]
     pub fn find(&self, id: &str) -> Option<usize> {
@@ -177,7 +188,8 @@ impl Graph {
     }
 
     /// Names each node's output files after the first file that it, or a node before it, reads, and
-    /// after the recipe if there is none.
+    /// after the recipe if there is none. A file that came with a catalog entry is not what the work
+    /// is about.
     fn name_outputs(&mut self) {
         for at in self.order.clone() {
             let node = &self.nodes[at];

@@ -13,6 +13,8 @@
 //! linear in the length of the text, and so is memory (some hundred times the text at worst).
 
 mod brackets;
+mod file;
+pub mod form;
 mod lexer;
 mod reader;
 mod recovery;
@@ -25,6 +27,9 @@ use crate::source::Source;
 use reader::Reader;
 use std::sync::Arc;
 
+pub(crate) use file::read_text;
+pub use file::{TextError, read_file};
+pub use form::{Fields, Form, Item};
 pub use value::{Name, Value, ValueKind};
 
 /// The longest text read, 4 MiB: a recipe of 10,000 nodes has less than half of it.

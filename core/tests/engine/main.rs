@@ -4,10 +4,15 @@
 
 mod cache;
 mod check;
+mod entries;
+mod files;
 mod form;
 mod inner;
+mod made;
+mod missing;
 mod outputs;
 mod plan;
 mod registry;
 mod run;
 mod toy;
+mod yielding;

@@ -79,7 +79,11 @@ fn lists_out_of_order_are_refused() {
     assert_eq!(registry(list).err(), Some(RegistryError::Order("add")));
     let mut list = kinds();
     list.insert(1, kinds().remove(0));
-    assert_eq!(registry(list).err(), Some(RegistryError::Order("add")));
+    list[1].origin = Some("acme 1.2".to_owned());
+    assert_eq!(
+        registry(list).err().unwrap().to_string(),
+        "two nodes are called \"add\": one from the program, one from acme 1.2"
+    );
 }
 
 #[test]

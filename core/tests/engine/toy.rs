@@ -3,9 +3,9 @@
 use carvegraph_core::diagnostic::{Diagnostic, Diagnostics};
 use carvegraph_core::source::Source;
 use carvegraph_core::{
-    Cache, Catalogs, Choice, Conflict, Context, Facts, Graph, InputFile, Inputs, Library, Node,
-    NodeError, NodeKind, NodeStatus, Origin, OutputName, Outputs, Params, Plan, PortType, Recipe,
-    Registry, RunOptions, RunReport, Session, Setting,
+    Cache, CatalogEntry, Catalogs, Choice, Conflict, Context, Facts, Graph, InputFile, Inputs,
+    Library, Node, NodeError, NodeKind, NodeStatus, Origin, OutputName, Outputs, Params, Plan,
+    PortType, Recipe, Registry, RunOptions, RunReport, Session, Setting,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -67,9 +67,9 @@ struct OneNumber {
 }
 
 #[derive(Outputs)]
-struct OneText {
+pub(crate) struct OneText {
     /// The text.
-    text: Words,
+    pub(crate) text: Words,
 }
 
 #[derive(Outputs)]
@@ -79,7 +79,7 @@ struct OneToken {
 }
 
 #[derive(Inputs)]
-struct FromNumber<'a> {
+pub(crate) struct FromNumber<'a> {
     /// Any number.
     number: &'a Number,
 }
@@ -477,9 +477,8 @@ pub(crate) fn types() -> Vec<PortType> {
 }
 
 pub(crate) fn catalogs(lab: &Arc<Lab>, grbl: &str) -> Catalogs {
-    let names = [("fanuc", "1"), ("grbl", grbl)];
-    let names = names.map(|(name, version)| (name.to_owned(), version.to_owned()));
-    Catalogs::default().with("dialect", names, Arc::clone(lab))
+    let entries = [CatalogEntry::new("fanuc", "1"), CatalogEntry::new("grbl", grbl)];
+    Catalogs::default().with("dialect", entries, Arc::clone(lab))
 }
 
 /// Recipes that are part of the program, and their files.

@@ -3,6 +3,7 @@
 #![allow(unreachable_pub, clippy::unwrap_used)]
 
 mod fields;
+#[path = "../../src/oracle.rs"]
 mod oracle;
 
 use carvegraph_geometry::{

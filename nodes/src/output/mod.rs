@@ -11,5 +11,5 @@ pub(crate) use post::Post;
 pub(crate) use preview::Preview;
 pub(crate) use save_gcode::SaveGcode;
 pub(crate) use save_points::SavePoints;
-pub(crate) use save_stl::SaveStl;
+pub(crate) use save_stl::{MAX_TRIANGLES, SaveStl};
 pub(crate) use summary::Summary;

@@ -17,7 +17,7 @@ const BATCH: usize = 1 << 16;
 const CHUNK: usize = 1 << 12;
 
 /// Longer files are no STL: the count of triangles has 32 bits.
-const MAX_TRIANGLES: usize = u32::MAX as usize;
+pub(crate) const MAX_TRIANGLES: usize = u32::MAX as usize;
 
 /// Saves a mesh as STL.
 #[derive(Clone, Debug, Params)]

@@ -6,8 +6,8 @@ mod link;
 mod raster;
 mod reduce_cl;
 
-pub(crate) use cutter::CutterNode;
+pub(crate) use cutter::{CutterNode, DRAWING};
 pub(crate) use drop_cutter::DropCutter;
 pub(crate) use link::Link;
-pub(crate) use raster::RasterNode;
+pub(crate) use raster::{MAX_POINTS, RasterNode};
 pub(crate) use reduce_cl::ReduceCl;

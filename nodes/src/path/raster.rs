@@ -5,7 +5,7 @@ use carvegraph_geometry::{Bounds, Pattern, Raster, RasterStyle};
 use std::f64::consts::FRAC_PI_2;
 
 /// No pattern has more points: from the path of them to its program they take some 7 GB.
-const MAX_POINTS: f64 = 5e7;
+pub(crate) const MAX_POINTS: f64 = 5e7;
 
 /// Lays parallel passes over a part, along its longer side if nothing else is said.
 #[derive(Clone, Debug, Params)]

@@ -12,7 +12,7 @@ use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
 use tiff::decoder::DecodingResult;
 
 /// No picture has more pixels: 20,000 × 20,000 of them take 1.6 GB as a surface.
-const MAX_PIXELS: u64 = 400_000_000;
+pub(crate) const MAX_PIXELS: u64 = 400_000_000;
 
 /// A decoder may take this much besides: eight bytes a pixel and some.
 const MAX_DECODER_BYTES: u64 = 8 * MAX_PIXELS + (1 << 30);

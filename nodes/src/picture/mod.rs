@@ -6,4 +6,4 @@ mod load_image;
 
 pub(crate) use gaussian_blur::GaussianBlur;
 pub(crate) use grayscale::Grayscale;
-pub(crate) use load_image::LoadImage;
+pub(crate) use load_image::{LoadImage, MAX_PIXELS};

@@ -29,7 +29,7 @@
 //!   for both.
 
 use std::ffi::{CStr, c_void};
-use std::mem::{offset_of, size_of};
+use std::mem::{MaybeUninit, offset_of, size_of};
 
 /// First field of every [`Plugin`]: "CARVEGRF" read as a big-endian number.
 pub const MAGIC: u64 = 0x4341_5256_4547_5246;
@@ -320,9 +320,9 @@ pub struct Command {
     /// See [`command`].
     pub kind: u32,
     /// An index, a number or a direction.
-    pub number: u32,
+    pub number: MaybeUninit<u32>,
     /// A point, a speed, a time.
-    pub values: [f64; 4],
+    pub values: [MaybeUninit<f64>; 4],
 }
 
 /// An arc from where the tip is.

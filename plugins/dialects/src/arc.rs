@@ -49,6 +49,8 @@ pub(crate) struct PlaneArc {
     pub(crate) direction: Direction,
     pub(crate) start: [i64; 2],
     pub(crate) end: [i64; 2],
+    /// What is rounder is a line, beside [`LEAST_RADIUS_STEPS`].
+    pub(crate) least_radius: f64,
 }
 
 /// What to write for an arc, in steps.
@@ -118,7 +120,7 @@ impl PlaneArc {
         let radius = start_radius.min(end_radius);
         let sweep = self.sweep();
         let bulge = radius * (1.0 - (sweep / 2.0).cos());
-        if radius < LEAST_RADIUS_STEPS || bulge < LEAST_BULGE_STEPS {
+        if radius < LEAST_RADIUS_STEPS.max(self.least_radius) || bulge < LEAST_BULGE_STEPS {
             return Written::Line;
         }
         let chord = [0, 1].map(|k| (self.end[k] - self.start[k]) as f64);
@@ -173,7 +175,7 @@ mod tests {
         let meant_start = at(from);
         let meant_end = if sweep.abs() == TAU { meant_start } else { at(from + sweep) };
         let [start, end] = [meant_start, meant_end].map(|p| p.map(|c| c.round() as i64));
-        PlaneArc { meant_start, meant_end, center, direction, start, end }
+        PlaneArc { meant_start, meant_end, center, direction, start, end, least_radius: 0.0 }
     }
 
     /// Farthest that the written arc, a spiral if its radii differ, lies off the meant circle.

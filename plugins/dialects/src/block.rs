@@ -1,5 +1,6 @@
 //! Puts blocks together out of words and hands them to the sink, many at a time.
 
+use crate::Text;
 use crate::number::Grid;
 use carvegraph_sdk::PostError;
 use std::io;
@@ -9,14 +10,16 @@ use std::io;
 const PIECE: usize = 64 * 1024;
 
 /// How blocks are numbered.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Numbering {
     /// What stands before the number.
-    pub(crate) prefix: &'static str,
+    pub(crate) prefix: Text,
     /// The first number.
     pub(crate) first: u32,
     /// From one number to the next.
     pub(crate) step: u32,
+    /// The largest number; behind it they begin again.
+    pub(crate) last: u32,
 }
 
 /// Writes blocks, one a line.
@@ -27,7 +30,7 @@ pub(crate) struct Blocks<'a> {
     /// Where in `text` the one being written begins.
     begin: usize,
     limit: usize,
-    numbering: Option<Numbering>,
+    numbering: Option<&'a Numbering>,
     /// The number of the next block.
     number: u32,
 }
@@ -38,7 +41,7 @@ impl<'a> Blocks<'a> {
     pub(crate) fn new(
         out: &'a mut dyn io::Write,
         limit: usize,
-        numbering: Option<Numbering>,
+        numbering: Option<&'a Numbering>,
     ) -> Self {
         let number = numbering.map_or(0, |n| n.first);
         Self { out, text: Vec::with_capacity(PIECE + 512), begin: 0, limit, numbering, number }
@@ -114,11 +117,12 @@ impl<'a> Blocks<'a> {
     }
 
     fn begin_numbered(&mut self) {
-        let Some(Numbering { prefix, step, .. }) = self.numbering else { return };
+        let Some(Numbering { prefix, first, step, last }) = self.numbering else { return };
         self.text.extend_from_slice(prefix.as_bytes());
         Grid::WHOLE.push(&mut self.text, i64::from(self.number));
         self.text.push(b' ');
-        self.number += step;
+        self.number =
+            if self.number <= last.saturating_sub(*step) { self.number + step } else { *first };
     }
 
     fn hand_over(&mut self) -> Result<(), PostError> {

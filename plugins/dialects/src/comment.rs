@@ -10,30 +10,53 @@
 //! * no comment begins with the text's own word: a mark comes first;
 //! * long texts go on in further comments, up to a number of them, and end in `...`.
 
+use crate::Text;
+
 /// Comments one text may take; a longer one is cut.
 const MAX_LINES: usize = 4;
 
 /// What stands before a remark, and before what is left of a text after its first line.
 pub(crate) const MARK: &str = "- ";
 
+/// All punctuation that no controller known to us acts on.
+pub(crate) const PUNCTUATION: &str = ".,:+-*/=_'\"@&#%";
+
+/// The least width of a comment: its brackets, the longest mark, and a word.
+pub(crate) const LEAST_WIDTH: usize = 40;
+
 /// How a dialect writes comments.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CommentStyle {
     /// What begins a comment.
-    pub(crate) open: &'static str,
+    pub(crate) open: Text,
     /// What ends it; nothing where the line's end does.
-    pub(crate) close: &'static str,
+    pub(crate) close: Text,
     /// Whether the controller knows upper case only.
     pub(crate) upper: bool,
-    /// What may stand in a comment besides letters, digits and spaces; ASCII, with `-` and `.`.
-    pub(crate) punctuation: &'static str,
+    /// What may stand in a comment besides letters, digits and spaces: some of [`PUNCTUATION`], with
+    /// `-` and `.`.
+    pub(crate) punctuation: Text,
 }
 
-/// In brackets, all that no controller known to us acts on.
-pub(crate) const BRACKETS: CommentStyle =
-    CommentStyle { open: "(", close: ")", upper: false, punctuation: ".,:+-*/=_'\"@&#%" };
+impl CommentStyle {
+    /// Whether a line begins with a comment.
+    pub(crate) fn opens(&self, line: &str) -> bool {
+        line.starts_with(self.open.trim())
+    }
+}
+
+/// Comments in brackets.
+pub(crate) fn brackets() -> CommentStyle {
+    CommentStyle {
+        open: "(".into(),
+        close: ")".into(),
+        upper: false,
+        punctuation: PUNCTUATION.into(),
+    }
+}
 
 /// `text` as whole comments of at most `width` characters each, the first beginning with `mark`.
+/// There must be room for the mark and some words: [`LEAST_WIDTH`] is enough.
 pub(crate) fn comments(style: &CommentStyle, mark: &str, text: &str, width: usize) -> Vec<String> {
     let CommentStyle { open, close, .. } = style;
     let mark = format!("{} ", harmless(style, mark, width));
@@ -65,7 +88,7 @@ fn break_at(text: &str, room: usize) -> (&str, &str) {
 }
 
 /// The first `limit` characters that are left when all that could do harm is gone; ASCII.
-fn harmless(style: &CommentStyle, text: &str, limit: usize) -> String {
+pub(crate) fn harmless(style: &CommentStyle, text: &str, limit: usize) -> String {
     let mut clean = String::new();
     for character in text.chars() {
         let kept = match character {
@@ -92,13 +115,13 @@ mod tests {
     use super::*;
 
     fn remark(text: &str) -> Vec<String> {
-        comments(&BRACKETS, MARK, text, 79)
+        comments(&brackets(), MARK, text, 79)
     }
 
     #[test]
     fn plain_text_stays() {
         assert_eq!(remark("Ball 6 mm, stepover 40%"), ["(- Ball 6 mm, stepover 40%)"]);
-        assert_eq!(comments(&BRACKETS, "Carvegraph: ", "Relief", 79), ["(Carvegraph: Relief)"]);
+        assert_eq!(comments(&brackets(), "Carvegraph: ", "Relief", 79), ["(Carvegraph: Relief)"]);
         assert_eq!(remark(""), [""; 0]);
         assert_eq!(remark(" \n "), [""; 0]);
     }
@@ -118,10 +141,10 @@ mod tests {
 
     #[test]
     fn a_style_keeps_what_its_controller_reads() {
-        let plain = CommentStyle { upper: true, punctuation: ".,+-", ..BRACKETS };
+        let plain = CommentStyle { upper: true, punctuation: ".,+-".into(), ..brackets() };
         let lines = comments(&plain, "Carvegraph: ", "Relief_2 %O9000 é", 79);
         assert_eq!(lines, ["(CARVEGRAPH RELIEF 2 O9000)"]);
-        let to_the_end = CommentStyle { open: "; ", close: "", ..BRACKETS };
+        let to_the_end = CommentStyle { open: "; ".into(), close: "".into(), ..brackets() };
         assert_eq!(comments(&to_the_end, MARK, "a\nG0 Z-50", 79), ["; - a G0 Z-50"]);
     }
 

@@ -9,27 +9,34 @@
 //!   downwards last. From an unknown position (the start, after a tool change) Z goes first, but
 //!   last where the controller was sent to the top before.
 //! * Start, end and centre of an arc are rounded together, see [`crate::arc`]. An arc that turns
-//!   farther than the controller may be told is halved; one that it does not know becomes chords.
+//!   farther than the controller may be told is halved; one that it does not know becomes chords, and
+//!   so do all where the program wants lines only.
 //! * A program that would be wrong is refused.
 //!
 //! It neither selects nor shifts a work offset: the frame is the one that the operator has set.
 
+use crate::Text;
 use crate::arc::{PlaneArc, Written};
 use crate::comment::MARK;
 use crate::number::{FeedUnit, Grid, NumberFormat};
 use carvegraph_sdk::{Arc, Command, Direction, Plane, PostError, Program};
+use minijinja::value::Value;
 
 /// A kilometre: nothing that is carved lies farther away, and a number that large is a mistake.
 pub(crate) const COORDINATE_LIMIT_MM: f64 = 1e6;
 
 /// A kilometre a minute.
-const FEED_LIMIT_MM_PER_MIN: f64 = 1e6;
+pub(crate) const FEED_LIMIT_MM_PER_MIN: f64 = 1e6;
 
 /// Ten times the fastest dental spindle.
-const SPINDLE_LIMIT_RPM: f64 = 5e6;
+pub(crate) const SPINDLE_LIMIT_RPM: f64 = 5e6;
 
 /// Ten metres. GRBL computes in 32-bit floats, which at larger radii hold no micrometre.
 const ARC_RADIUS_LIMIT_MM: f64 = 10_000.0;
+
+/// LinuxCNC rejects radii below 0.00127 mm, and finer steps do not change that. Rounding may take a
+/// third of this away.
+const LEAST_RADIUS_MM: f64 = 0.002;
 
 /// By how much an arc's radii may differ before rounding, which makes them agree. More is no error of
 /// arithmetic but an arc that somebody got wrong, and it would be cut wrong.
@@ -40,11 +47,12 @@ const ARC_RADIUS_TOLERANCE_MM: f64 = 0.001;
 const CHORD_STEPS: f64 = 2.0;
 
 /// What a controller can do and how it counts: all that the front asks of a dialect.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Abilities {
     pub(crate) numbers: NumberFormat,
     pub(crate) feed_unit: FeedUnit,
-    pub(crate) arcs: Arcs,
+    /// Which arcs it takes; with none all become chords.
+    pub(crate) arcs: Option<Arcs>,
     /// Whether a rapid moves one axis at a time, across the work too.
     pub(crate) single_axis_rapids: bool,
     /// Whether the writer sends Z to the machine's top before the first rapid and before a tool
@@ -71,11 +79,16 @@ pub(crate) struct Arcs {
     pub(crate) sweep_limit_deg: f64,
 }
 
+impl Arcs {
+    /// All there are.
+    pub(crate) const ALL: Self = Self { all_planes: true, helices: true, sweep_limit_deg: 360.0 };
+}
+
 /// Whether a controller changes tools.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Tools {
-    /// No; this is what to tell the user.
-    None(&'static str),
+    /// No; this is what to tell the user, behind the dialect's name.
+    None(Text),
     /// Yes, up to this number.
     UpTo(u32),
 }
@@ -158,15 +171,16 @@ pub(crate) fn post<W: Writer>(
     post.writer.end()
 }
 
-/// The path tolerance in whole steps of the program's units, rounded down but not to 0, which to
-/// LinuxCNC means that any departure will do.
-pub(crate) fn path_tolerance(program: &Program<'_>, grid: Grid) -> Result<i64, PostError> {
+/// The path tolerance in the program's units, for a template: rounded down to a whole step but not to
+/// 0, which to LinuxCNC means that any departure will do.
+pub(crate) fn path_tolerance(program: &Program<'_>, grid: Grid) -> Result<Value, PostError> {
     let tolerance = program.path_tolerance_mm;
     if !(tolerance > 0.0 && tolerance <= COORDINATE_LIMIT_MM) {
         return Err(PostError::PathTolerance(tolerance));
     }
     // 0.57 mm must not become 0.569 for the last bit of a product.
-    Ok(((grid.steps(tolerance) + 1e-6) as i64).max(1))
+    let steps = ((grid.steps(tolerance) + 1e-6) as i64).max(1);
+    Ok(Value::from(grid.number(steps)))
 }
 
 /// Where the tip is.
@@ -233,9 +247,12 @@ impl<W: Writer> Post<'_, W> {
     }
 
     fn tool_change(&mut self, number: u32) -> Result<(), PostError> {
-        let limit = match self.abilities.tools {
-            Tools::UpTo(limit) => limit,
-            Tools::None(message) => return Err(self.unsupported(message.to_owned())),
+        let limit = match &self.abilities.tools {
+            Tools::UpTo(limit) => *limit,
+            Tools::None(why) => {
+                let words = "write one program for each tool";
+                return Err(self.unsupported(format!("{} {why}: {words}", self.dialect)));
+            }
         };
         if number == 0 || number > limit {
             return Err(PostError::ToolNumber { command: self.index, number, limit });
@@ -349,12 +366,16 @@ impl<W: Writer> Post<'_, W> {
         self.check_arc(arc, from, to)?;
         self.position = Some(to);
         let [.., normal] = arc.plane.axes();
-        let can = self.abilities.arcs;
         let flat = from.written[normal] == to.written[normal];
-        if (can.all_planes || arc.plane == Plane::Xy) && (can.helices || flat) {
-            self.turn(arc, from, to, feed)
-        } else {
-            self.chords(arc, from, to, feed)
+        match &self.abilities.arcs {
+            Some(can)
+                if !self.program.lines_only
+                    && (can.all_planes || arc.plane == Plane::Xy)
+                    && (can.helices || flat) =>
+            {
+                self.turn(arc, can.sweep_limit_deg, from, to, feed)
+            }
+            _ => self.chords(arc, from, to, feed),
         }
     }
 
@@ -386,6 +407,7 @@ impl<W: Writer> Post<'_, W> {
             direction: arc.direction,
             start: [from.written[first], from.written[second]],
             end: [to.written[first], to.written[second]],
+            least_radius: LEAST_RADIUS_MM / self.grid.step_mm(),
         }
     }
 
@@ -393,6 +415,7 @@ impl<W: Writer> Post<'_, W> {
     fn turn(
         &mut self,
         arc: &Arc,
+        sweep_limit_deg: f64,
         from: Position,
         to: Position,
         feed: i64,
@@ -403,10 +426,10 @@ impl<W: Writer> Post<'_, W> {
         };
         let sweep_rad = in_plane.understood(turned, offset).sweep();
         // Exact halves come out a rounding of the arctangent too large.
-        if sweep_rad > self.abilities.arcs.sweep_limit_deg.to_radians() + 1e-9 {
+        if sweep_rad > sweep_limit_deg.to_radians() + 1e-9 {
             let middle = self.between(arc, from, to, &in_plane, 0.5);
-            self.turn(arc, from, middle, feed)?;
-            return self.turn(arc, middle, to, feed);
+            self.turn(arc, sweep_limit_deg, from, middle, feed)?;
+            return self.turn(arc, sweep_limit_deg, middle, to, feed);
         }
         let [first, second, _] = arc.plane.axes();
         let mut end = to.written;

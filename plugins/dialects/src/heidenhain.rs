@@ -12,13 +12,16 @@
 //!
 //! M128 is for five axes only.
 
+use crate::Text;
 use crate::block::{Blocks, Numbering};
-use crate::comment::{BRACKETS, CommentStyle, MARK, comments};
+use crate::comment::{CommentStyle, MARK, brackets, comments};
 use crate::front::{self, Abilities, Arcs, COORDINATE_LIMIT_MM, Rapid, Tools, Turn, Writer};
-use crate::iso6983::ISO;
-use crate::name::name;
+use crate::iso6983;
+use crate::lines::{Common, Lines, Pick, Sheet};
 use crate::number::{FeedUnit, Grid, NumberFormat};
+use crate::template;
 use carvegraph_sdk::{Capabilities, Command, Dialect, Direction, PostError, Program, Stock, Units};
+use minijinja::value::Value;
 use std::io;
 
 /// What an iTNC reads of a block.
@@ -36,15 +39,42 @@ const TOOL_LIMIT: u32 = 30_000;
 /// A blank must have some extent each way.
 const LEAST_BLANK_MM: f64 = 1.0;
 
-const COMMENTS: CommentStyle = CommentStyle { open: "; ", close: "", ..BRACKETS };
+/// Blocks are numbered from 0 without a gap.
+const NUMBERING: Numbering =
+    Numbering { prefix: Text::Borrowed(""), first: 0, step: 1, last: u32::MAX };
 
-const ABILITIES: Abilities = Abilities {
-    numbers: NumberFormat { least_decimals: 0, plus: true, ..ISO.abilities.numbers },
-    feed_unit: FeedUnit::TenthInchPerMinute,
-    arcs: Arcs { all_planes: false, helices: true, sweep_limit_deg: 360.0 },
-    tools: Tools::UpTo(TOOL_LIMIT),
-    ..ISO.abilities
-};
+fn comment_style() -> CommentStyle {
+    CommentStyle { open: "; ".into(), close: "".into(), ..brackets() }
+}
+
+fn abilities() -> Abilities {
+    let iso = iso6983::settings();
+    Abilities {
+        numbers: NumberFormat { least_decimals: 0, plus: true, ..iso.numbers },
+        feed_unit: FeedUnit::TenthInchPerMinute,
+        arcs: Some(Arcs { all_planes: false, ..Arcs::ALL }),
+        tools: Tools::UpTo(TOOL_LIMIT),
+        ..iso.abilities()
+    }
+}
+
+/// A speed is set by a tool call, which names the tool where that changes.
+fn lines() -> Lines<Text> {
+    let call = "TOOL CALL{% if tool %} {{ tool }}{% endif %} Z S{{ rpm }}";
+    Lines {
+        opening: "BEGIN PGM {{ name }} {{ units }}".into(),
+        path_tolerance: "CYCL DEF 32.0 TOLERANCE\n\
+                         CYCL DEF 32.1 T{{ tolerance }}\n\
+                         CYCL DEF 32.2 HSC-MODE:0"
+            .into(),
+        tool_change: "TOOL CALL {{ tool }} Z".into(),
+        spindle_clockwise: call.into(),
+        spindle_stop: "M5".into(),
+        dwell: "CYCL DEF 9.0 DWELL TIME\nCYCL DEF 9.1 DWELL {{ seconds }}".into(),
+        footer: "M5\nM30\nEND PGM {{ name }} {{ units }}".into(),
+        ..Lines::default()
+    }
+}
 
 /// The dialect.
 pub(crate) struct Heidenhain;
@@ -67,22 +97,31 @@ impl Dialect for Heidenhain {
     }
 
     fn post(&self, program: &Program<'_>, out: &mut dyn io::Write) -> Result<(), PostError> {
-        let numbering = Some(Numbering { prefix: "", first: 0, step: 1 });
+        let units_word = match program.units {
+            Units::Mm => "MM",
+            Units::Inch => "INCH",
+        };
+        let common = Common { name_length: NAME_LENGTH, ..Common::new(self.name(), units_word) };
+        let (abilities, lines, engine) = (abilities(), lines(), template::engine());
         let writer = HeidenhainWriter {
             program,
-            grid: Grid::lengths(program.units, ABILITIES.numbers),
-            feeds: Grid::feeds(program.units, ABILITIES.numbers, ABILITIES.feed_unit),
-            blocks: Blocks::new(out, LINE_LIMIT, numbering),
+            sheet: Sheet::new(&engine, &lines, common, program)?,
+            comments: comment_style(),
+            grid: Grid::lengths(program.units, abilities.numbers),
+            feeds: Grid::feeds(program.units, abilities.numbers, abilities.feed_unit),
+            blocks: Blocks::new(out, LINE_LIMIT, Some(&NUMBERING)),
             tool: None,
             start: None,
         };
-        front::post(self.name(), &ABILITIES, program, writer)
+        front::post(self.name(), &abilities, program, writer)
     }
 }
 
 /// A program being written.
 struct HeidenhainWriter<'a> {
     program: &'a Program<'a>,
+    sheet: Sheet<'a>,
+    comments: CommentStyle,
     grid: Grid,
     feeds: Grid,
     blocks: Blocks<'a>,
@@ -94,7 +133,7 @@ struct HeidenhainWriter<'a> {
 
 impl Writer for HeidenhainWriter<'_> {
     fn head(&mut self) -> Result<(), PostError> {
-        self.frame("BEGIN")?;
+        self.lines(|lines| &lines.opening, &[])?;
         if let Some(Stock { min, max }) = self.blank()? {
             self.corner("BLK FORM 0.1 Z", min)?;
             self.corner("BLK FORM 0.2", max)?;
@@ -106,15 +145,14 @@ impl Writer for HeidenhainWriter<'_> {
         if self.program.path_tolerance_mm == 0.0 {
             return Ok(());
         }
-        let grid = Grid::lengths(self.program.units, ISO.abilities.numbers);
-        let tolerance = grid.text(front::path_tolerance(self.program, grid)?);
-        self.blocks.line("CYCL DEF 32.0 TOLERANCE")?;
-        self.blocks.line(&format!("CYCL DEF 32.1 T{tolerance}"))?;
-        self.blocks.line("CYCL DEF 32.2 HSC-MODE:0")
+        // In the plain form of lengths, without a sign.
+        let grid = Grid::lengths(self.program.units, iso6983::settings().numbers);
+        let tolerance = front::path_tolerance(self.program, grid)?;
+        self.lines(|lines| &lines.path_tolerance, &[("tolerance", tolerance)])
     }
 
     fn comment(&mut self, mark: &str, text: &str) -> Result<(), PostError> {
-        for line in comments(&COMMENTS, mark, text, LINE_LIMIT - NUMBER_WIDTH) {
+        for line in comments(&self.comments, mark, text, LINE_LIMIT - NUMBER_WIDTH) {
             self.blocks.line(&line)?;
         }
         Ok(())
@@ -127,8 +165,9 @@ impl Writer for HeidenhainWriter<'_> {
     }
 
     fn spindle(&mut self, rpm: u32, direction: Direction) -> Result<(), PostError> {
-        let number = self.tool.take().map_or(String::new(), |n| format!(" {n}"));
-        self.blocks.line(&format!("TOOL CALL{number} Z S{rpm}"))?;
+        let tool = Value::from(self.tool.take().unwrap_or(0));
+        let values = [("tool", tool), ("rpm", Value::from(rpm))];
+        self.lines(|lines| &lines.spindle_clockwise, &values)?;
         self.start = Some(match direction {
             Direction::Clockwise => "M3",
             Direction::CounterClockwise => "M4",
@@ -138,13 +177,13 @@ impl Writer for HeidenhainWriter<'_> {
 
     fn spindle_stop(&mut self) -> Result<(), PostError> {
         self.pending()?;
-        self.blocks.line("M5")
+        self.lines(|lines| &lines.spindle_stop, &[])
     }
 
     fn dwell(&mut self, milliseconds: i64) -> Result<(), PostError> {
         self.pending()?;
-        self.blocks.line("CYCL DEF 9.0 DWELL TIME")?;
-        self.blocks.line(&format!("CYCL DEF 9.1 DWELL {}", Grid::THOUSANDTHS.text(milliseconds)))
+        let seconds = Value::from(milliseconds as f64 / 1000.0);
+        self.lines(|lines| &lines.dwell, &[("seconds", seconds)])
     }
 
     fn rapid(&mut self, rapid: Rapid) -> Result<(), PostError> {
@@ -179,7 +218,8 @@ impl Writer for HeidenhainWriter<'_> {
         };
         let helix = turn.to[2] != turn.from[2];
         if helix {
-            let angle = Grid::lengths(Units::Mm, ABILITIES.numbers);
+            // An angle is written as a length in mm is.
+            let angle = Grid::lengths(Units::Mm, abilities().numbers);
             self.blocks.word("CP IPA");
             self.blocks.digits(angle, angle.round(sign * turn.sweep_rad.to_degrees()));
             self.axes(turn.to, [false, false, true]);
@@ -200,21 +240,14 @@ impl Writer for HeidenhainWriter<'_> {
 
     fn end(mut self) -> Result<(), PostError> {
         self.pending()?;
-        self.blocks.line("M5")?;
-        self.blocks.line("M30")?;
-        self.frame("END")?;
+        self.lines(|lines| &lines.footer, &[])?;
         self.blocks.finish()
     }
 }
 
 impl HeidenhainWriter<'_> {
-    fn frame(&mut self, word: &str) -> Result<(), PostError> {
-        let name = name(self.program.title, NAME_LENGTH);
-        let units = match self.program.units {
-            Units::Mm => "MM",
-            Units::Inch => "INCH",
-        };
-        self.blocks.line(&format!("{word} PGM {name} {units}"))
+    fn lines(&mut self, pick: Pick, values: &[(&'static str, Value)]) -> Result<(), PostError> {
+        self.sheet.write(pick, values, &mut self.blocks)
     }
 
     fn corner(&mut self, words: &str, point: [f64; 3]) -> Result<(), PostError> {
@@ -261,7 +294,9 @@ impl HeidenhainWriter<'_> {
     /// Calls a tool whose speed nobody has given.
     fn tool_call(&mut self) -> Result<(), PostError> {
         match self.tool.take() {
-            Some(number) => self.blocks.line(&format!("TOOL CALL {number} Z")),
+            Some(number) => {
+                self.lines(|lines| &lines.tool_change, &[("tool", Value::from(number))])
+            }
             None => Ok(()),
         }
     }

@@ -47,7 +47,7 @@ pub(crate) struct Grid {
 const NEAR_HALF: f64 = 1e-6;
 
 impl Grid {
-    /// Three decimals and always a point; for what has no units, such as seconds.
+    /// Thousandths of what has no units; seconds.
     pub(crate) const THOUSANDTHS: Self =
         Self { numerator: 1000.0, denominator: 1.0, decimals: 3, least_decimals: 1, plus: false };
 
@@ -110,11 +110,9 @@ impl Grid {
         self.denominator / self.numerator
     }
 
-    /// A number of steps in decimals.
-    pub(crate) fn text(self, steps: i64) -> String {
-        let mut out = Vec::new();
-        self.push(&mut out, steps);
-        out.into_iter().map(char::from).collect()
+    /// A number of steps as the number that its decimals read as.
+    pub(crate) fn number(self, steps: i64) -> f64 {
+        steps as f64 / 10_f64.powi(self.decimals as i32)
     }
 
     /// Writes a number of steps in decimals.

@@ -12,13 +12,17 @@
 //!   are halved, helices and arcs in other planes become lines.
 //! * Macro `C9` changes to the tool in `&Tool`. Comments begin with `'`.
 
+use crate::Text;
 use crate::block::Blocks;
-use crate::comment::{BRACKETS, CommentStyle, MARK, comments};
+use crate::comment::{CommentStyle, MARK, brackets, comments};
 use crate::front::{self, Abilities, Arcs, Rapid, Tools, Turn, Writer};
 use crate::grbl::SPIN_UP_S;
-use crate::iso6983::ISO;
-use crate::number::{FeedUnit, Grid, NumberFormat};
+use crate::iso6983;
+use crate::lines::{Common, Lines, Pick, Sheet};
+use crate::number::{FeedUnit, Grid};
+use crate::template;
 use carvegraph_sdk::{Capabilities, Dialect, Direction, PostError, Program, Units};
+use minijinja::value::Value;
 use std::io;
 
 /// No limit is known; no line comes near.
@@ -27,17 +31,33 @@ const LINE_LIMIT: usize = 255;
 /// Tool numbers beyond are warned of.
 const TOOL_LIMIT: u32 = 99;
 
-const COMMENTS: CommentStyle = CommentStyle { open: "'", close: "", ..BRACKETS };
+fn comment_style() -> CommentStyle {
+    CommentStyle { open: "'".into(), close: "".into(), ..brackets() }
+}
 
-const ABILITIES: Abilities = Abilities {
-    numbers: NumberFormat { least_decimals: 1, ..ISO.abilities.numbers },
-    feed_unit: FeedUnit::PerSecond,
-    arcs: Arcs { all_planes: false, helices: false, sweep_limit_deg: 180.0 },
-    tools: Tools::UpTo(TOOL_LIMIT),
-    counterclockwise: false,
-    spin_up_s: Some(SPIN_UP_S),
-    ..ISO.abilities
-};
+fn abilities() -> Abilities {
+    Abilities {
+        feed_unit: FeedUnit::PerSecond,
+        arcs: Some(Arcs { all_planes: false, helices: false, sweep_limit_deg: 180.0 }),
+        tools: Tools::UpTo(TOOL_LIMIT),
+        counterclockwise: false,
+        spin_up_s: Some(SPIN_UP_S),
+        ..iso6983::settings().abilities()
+    }
+}
+
+/// `units` is what `%(25)` must not be.
+fn lines() -> Lines<Text> {
+    Lines {
+        header: "IF %(25)={{ units }} THEN GOTO UNIT_ERROR\nSA".into(),
+        tool_change: "&Tool = {{ tool }}\nC9".into(),
+        spindle_clockwise: "TR,{{ rpm }}\nC6".into(),
+        spindle_stop: "C7".into(),
+        dwell: "PAUSE {{ seconds }}".into(),
+        footer: "END\nUNIT_ERROR:\nCN,91\nEND".into(),
+        ..Lines::default()
+    }
+}
 
 /// The dialect.
 pub(crate) struct ShopBot;
@@ -60,19 +80,29 @@ impl Dialect for ShopBot {
     }
 
     fn post(&self, program: &Program<'_>, out: &mut dyn io::Write) -> Result<(), PostError> {
+        let wrong_units = match program.units {
+            Units::Mm => "0",
+            Units::Inch => "1",
+        };
+        let common = Common::new(self.name(), wrong_units);
+        let (abilities, lines, engine) = (abilities(), lines(), template::engine());
         let writer = ShopBotWriter {
             program,
-            grid: Grid::lengths(program.units, ABILITIES.numbers),
-            feeds: Grid::feeds(program.units, ABILITIES.numbers, ABILITIES.feed_unit),
+            sheet: Sheet::new(&engine, &lines, common, program)?,
+            comments: comment_style(),
+            grid: Grid::lengths(program.units, abilities.numbers),
+            feeds: Grid::feeds(program.units, abilities.numbers, abilities.feed_unit),
             blocks: Blocks::new(out, LINE_LIMIT, None),
         };
-        front::post(self.name(), &ABILITIES, program, writer)
+        front::post(self.name(), &abilities, program, writer)
     }
 }
 
 /// A program being written.
 struct ShopBotWriter<'a> {
     program: &'a Program<'a>,
+    sheet: Sheet<'a>,
+    comments: CommentStyle,
     grid: Grid,
     feeds: Grid,
     blocks: Blocks<'a>,
@@ -84,37 +114,31 @@ impl Writer for ShopBotWriter<'_> {
         for remark in self.program.remarks {
             self.comment(MARK, remark)?;
         }
-        let wrong_units = match self.program.units {
-            Units::Mm => 0,
-            Units::Inch => 1,
-        };
-        self.blocks.line(&format!("IF %(25)={wrong_units} THEN GOTO UNIT_ERROR"))?;
-        self.blocks.line("SA")
+        self.lines(|lines| &lines.header, &[])
     }
 
     fn comment(&mut self, mark: &str, text: &str) -> Result<(), PostError> {
-        for line in comments(&COMMENTS, mark, text, LINE_LIMIT) {
+        for line in comments(&self.comments, mark, text, LINE_LIMIT) {
             self.blocks.line(&line)?;
         }
         Ok(())
     }
 
     fn tool_change(&mut self, number: u32) -> Result<(), PostError> {
-        self.blocks.line(&format!("&Tool = {number}"))?;
-        self.blocks.line("C9")
+        self.lines(|lines| &lines.tool_change, &[("tool", Value::from(number))])
     }
 
     fn spindle(&mut self, rpm: u32, _: Direction) -> Result<(), PostError> {
-        self.blocks.line(&format!("TR,{rpm}"))?;
-        self.blocks.line("C6")
+        self.lines(|lines| &lines.spindle_clockwise, &[("rpm", Value::from(rpm))])
     }
 
     fn spindle_stop(&mut self) -> Result<(), PostError> {
-        self.blocks.line("C7")
+        self.lines(|lines| &lines.spindle_stop, &[])
     }
 
     fn dwell(&mut self, milliseconds: i64) -> Result<(), PostError> {
-        self.blocks.line(&format!("PAUSE {}", Grid::THOUSANDTHS.text(milliseconds)))
+        let seconds = Value::from(milliseconds as f64 / 1000.0);
+        self.lines(|lines| &lines.dwell, &[("seconds", seconds)])
     }
 
     fn rapid(&mut self, rapid: Rapid) -> Result<(), PostError> {
@@ -142,14 +166,17 @@ impl Writer for ShopBotWriter<'_> {
     }
 
     fn end(mut self) -> Result<(), PostError> {
-        for line in ["C7", "END", "UNIT_ERROR:", "CN,91", "END"] {
-            self.blocks.line(line)?;
-        }
+        self.spindle_stop()?;
+        self.lines(|lines| &lines.footer, &[])?;
         self.blocks.finish()
     }
 }
 
 impl ShopBotWriter<'_> {
+    fn lines(&mut self, pick: Pick, values: &[(&'static str, Value)]) -> Result<(), PostError> {
+        self.sheet.write(pick, values, &mut self.blocks)
+    }
+
     /// A move by the command for the axes that change: X, Y, Z, XY or all.
     #[inline]
     fn travel(

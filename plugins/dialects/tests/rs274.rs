@@ -8,8 +8,9 @@
 
 mod jobs;
 
+use carvegraph_sdk::conformance::dialect::{Job, Move, compare, long, small};
 use carvegraph_sdk::{Arc, Command, Direction, Plane, Units};
-use jobs::{Job, Move, compare, dialect, habits};
+use jobs::{by_each_way, posted, reading};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::{self, Stdio};
@@ -101,16 +102,16 @@ fn motions(canonical: &str) -> Vec<Move> {
 #[test]
 fn the_interpreter_makes_the_meant_motions() {
     for name in READABLE {
-        let dialect = dialect(name);
+        let small = by_each_way(name, small);
         for units in [Units::Mm, Units::Inch] {
-            let jobs = [("small", jobs::small(&*dialect)), ("long", jobs::long(units))];
+            let lines_only = Job { lines_only: true, ..long(units) };
+            let jobs = [("small", small.clone()), ("long", long(units)), ("lines", lines_only)];
             for (size, mut job) in jobs {
                 job.units = units;
-                let program = job.post(&*dialect).unwrap();
+                let program = posted(&job, name).unwrap();
                 if let Some(canonical) = interpret(&format!("{name}-{units:?}-{size}"), &program) {
-                    let habits = habits(name);
-                    compare(&job.meant(&habits), &motions(&canonical), units, &habits);
-                    assert!(canonical.contains(" ARC_FEED("));
+                    compare(&job, &motions(&canonical), &reading(name)).unwrap();
+                    assert_eq!(canonical.contains(" ARC_FEED("), !job.lines_only);
                 }
             }
         }
@@ -127,10 +128,10 @@ fn the_interpreter_changes_tools() {
         job.rapid([1.0, 2.0, 5.0]);
     }
     for name in READABLE {
-        if !dialect(name).capabilities().tool_change {
+        if !by_each_way(name, |dialect| dialect.capabilities().tool_change) {
             continue;
         }
-        let program = job.post(&*dialect(name)).unwrap();
+        let program = posted(&job, name).unwrap();
         if let Some(canonical) = interpret(&format!("{name}-tools"), &program) {
             for call in ["CHANGE_TOOL(", "PROGRAM_END"] {
                 assert!(canonical.contains(call), "{call} in {canonical}");
@@ -148,7 +149,7 @@ fn the_interpreter_obeys_no_comment() {
     let orders = ["LOGOPEN,x", "MSG,x", "abort,x", "pyreload", "print,x", "debug,#1", "a)(MSG,b"];
     job.remarks = orders.map(str::to_owned).to_vec();
     for name in READABLE {
-        let program = job.post(&*dialect(name)).unwrap();
+        let program = posted(&job, name).unwrap();
         if let Some(canonical) = interpret(&format!("{name}-comments"), &program) {
             assert!(
                 !canonical.contains(" MESSAGE(") && !canonical.contains(" LOGOPEN("),
@@ -156,8 +157,7 @@ fn the_interpreter_obeys_no_comment() {
             );
             let remarks = orders.iter().filter(|o| canonical.contains(&format!("\"- {}", &o[..1])));
             assert_eq!(remarks.count(), orders.len(), "{canonical}");
-            let habits = habits(name);
-            compare(&job.meant(&habits), &motions(&canonical), Units::Mm, &habits);
+            compare(&job, &motions(&canonical), &reading(name)).unwrap();
         }
     }
 }

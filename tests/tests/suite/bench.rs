@@ -186,6 +186,13 @@ pub(crate) fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
+/// A recipe with a cutter of a stated size in it.
+pub(crate) fn with_diameter(recipe: &str, diameter: &str) -> String {
+    let tool = "(kind: \"cutter\"";
+    let set = format!("{tool}, set: {{ \"shape\": \"ball\", \"diameter\": {diameter} }}");
+    recipe.replacen(tool, &set, 1)
+}
+
 /// The text of a built-in recipe.
 pub(crate) fn recipe_text(name: &str) -> String {
     std::fs::read_to_string(workspace().join(format!("graphs/{name}.ron"))).unwrap()
@@ -195,4 +202,12 @@ pub(crate) fn recipe_text(name: &str) -> String {
 pub(crate) fn skipped(what: &str) {
     let line = format!("SKIPPED: {what}\n");
     std::io::stderr().write_all(line.as_bytes()).unwrap();
+}
+
+/// The cutters and dialects that `carve` links, as a library's user would offer them.
+pub(crate) fn standard_offers() -> Offers {
+    let mut offers = Offers::default();
+    let (cutters, dialects) = (carvegraph_cutters::standard(), carvegraph_dialects::standard());
+    offers.add(Batch { cutters, dialects, ..Batch::default() }, "test").unwrap();
+    offers
 }

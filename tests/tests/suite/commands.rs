@@ -100,9 +100,20 @@ fn json_tells_all_of_a_parameter() {
 #[test]
 fn cutters_and_dialects_are_listed() {
     let cutters = told(&["cutters"]);
-    for line in ["ball  diameter (mm)", "flat  diameter (mm)"] {
-        assert!(cutters.contains(line), "{cutters}");
+    for shape in ["ball", "flat"] {
+        let start = cutters.find(&format!("{shape}\n  ")).unwrap_or_else(|| panic!("{cutters}"));
+        let text = cutters[start..].split("\n\n").next().unwrap();
+        let diameter =
+            "\n  diameter: number, 0.01 to 200 mm, default 6\n      Diameter of the cutting part.";
+        assert!(text.ends_with(diameter), "{text}");
     }
+    let node = told(&["nodes", "cutter"]);
+    let more = "The fields of the cutter chosen come in addition: carve cutters lists them.";
+    assert!(node.contains(more), "{node}");
+    let json: Value = serde_json::from_str(&told(&["nodes", "cutter", "--json"])).unwrap();
+    let ball = &json["params"][0]["entry_params"]["ball"][0];
+    assert_eq!((&ball["name"], &ball["default"]), (&"diameter".into(), &6.0.into()));
+    assert_eq!(json["origin"], Value::Null);
     let dialects = told(&["dialects"]);
     for (name, extension) in [("grbl", ".nc"), ("linuxcnc", ".ngc")] {
         let line = dialects.lines().find(|line| line.starts_with(name)).unwrap();

@@ -7,13 +7,13 @@
 //! what it is dropped on. On a segment and on a triangle the height is a concave function of q, so
 //! that a search by thirds finds its greatest value however it is written.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, standard_offers};
 use carvegraph_core::{
     Cache, CancelToken, Entry, Graph, Key, Origin, Parts, Plan, PortType, RunOptions, RunStatus,
     Session, Setting, Value, run,
 };
 use carvegraph_geometry::{DVec2, DVec3, HeightField, Toolpath};
-use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
+use carvegraph_nodes::{LIBRARY, registry};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
@@ -59,8 +59,7 @@ impl Cache for Seen {
 
 /// Runs the recipe `relief` as the command does and looks at what passes between its nodes.
 fn values_of(bench: &Bench, settings: &[(&str, &str)]) -> Seen {
-    let cutters = Cutters(carvegraph_cutters::standard());
-    let registry = registry(cutters, Dialects(carvegraph_dialects::standard())).unwrap();
+    let registry = registry(standard_offers()).unwrap();
     let origin = Origin::Folder(bench.path(""));
     let recipe = LIBRARY.open("relief", &origin).unwrap();
     let setting = |(name, value): &(&str, &str)| Setting {

@@ -1,7 +1,7 @@
 //! What a user reads, word for word. `CARVE_BLESS=1 cargo test -p carvegraph-tests golden` writes
 //! the files in `tests/golden` anew; read the difference before it is committed.
 
-use crate::bench::{Bench, recipe_text};
+use crate::bench::{Bench, recipe_text, with_diameter};
 use std::path::Path;
 
 /// Compares with a golden file, or writes it where that is asked for.
@@ -89,8 +89,8 @@ fn a_name_twice() {
 #[test]
 fn five_slips_at_once() {
     assert_error("five-slips", &["run", "mine.ron"], |text| {
-        text.replace("\"gaussian_blur\"", "\"gausian_blur\"")
-            .replace("\"diameter\": 6.0", "\"diameter\": -6.0")
+        with_diameter(&text, "-6.0")
+            .replace("\"gaussian_blur\"", "\"gausian_blur\"")
             .replace("\"pattern\": \"passes\"", "\"pattern\": \"pases\"")
             .replace("\"1500mm/min\"", "\"1500rpm\"")
             .replace("\"format\": \"binary\"", "\"formt\": \"binary\"")

@@ -1,24 +1,36 @@
 //! Every kind of node is documented, has defaults that it would take, serves a recipe, and is
 //! tested.
 
-use crate::bench::workspace;
+use crate::bench::{standard_offers, workspace};
 use carvegraph_core::units::Dimension;
-use carvegraph_core::{Catalogs, Graph, Origin, ParamKind, ParamValue, Registry};
-use carvegraph_nodes::{Cutters, Dialects, LIBRARY, registry};
+use carvegraph_core::{Catalogs, Graph, Origin, ParamKind, ParamSpec, ParamValue, Registry};
+use carvegraph_nodes::{Batch, LIBRARY, registry};
+use carvegraph_sdk::node::{Job, Node, NodeFault, Port};
+use carvegraph_sdk::value::Raw;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Kinds whose work lies in a kernel or a plugin, and which add nothing to it that a test in their
 /// own file could look at better than the tests named here.
-const TESTED_ELSEWHERE: [(&str, &str); 3] = [
-    ("cutter", "plugins/cutters/tests/shapes.rs"),
-    ("point_cloud", "geometry/src/stitch.rs"),
-    ("save_gcode", "tests/tests/suite/relief.rs"),
-];
+const TESTED_ELSEWHERE: [(&str, &str); 2] =
+    [("point_cloud", "geometry/src/stitch.rs"), ("save_gcode", "tests/tests/suite/relief.rs")];
 
 fn standard() -> Registry {
-    let cutters = Cutters(carvegraph_cutters::standard());
-    registry(cutters, Dialects(carvegraph_dialects::standard())).unwrap()
+    registry(standard_offers()).unwrap()
+}
+
+/// Every parameter of a kind, and of an entry that a kind may choose, with the name of both.
+fn all_params(registry: &Registry) -> Vec<(String, &ParamSpec)> {
+    let mut all = Vec::new();
+    for kind in registry.kinds() {
+        let entries = kind.choosers().flat_map(|(_, catalog)| registry.catalogs().entries(catalog));
+        let brought = entries.flat_map(|entry| {
+            entry.params.iter().map(|param| (format!("{}.{}", entry.name, param.name), param))
+        });
+        let own = kind.params.iter().map(|param| (format!("{}.{}", kind.name, param.name), param));
+        all.extend(own.chain(brought));
+    }
+    all
 }
 
 /// All of a text that a user reads is a sentence or more.
@@ -39,13 +51,12 @@ fn everything_is_documented() {
         for port in kind.inputs.iter().chain(&kind.outputs) {
             assert_prose(&format!("{}.{}", kind.name, port.name), port.about);
         }
-        for param in &kind.params {
-            let what = format!("{}.{}", kind.name, param.name);
-            assert_prose(&what, param.about);
-            if let ParamKind::Choice(options) = &param.kind {
-                assert!(options.len() > 1, "{what} leaves no choice");
-                options.iter().for_each(|o| assert_prose(&format!("{what}={}", o.name), o.about));
-            }
+    }
+    for (what, param) in all_params(&registry) {
+        assert_prose(&what, &param.about);
+        if let ParamKind::Choice(options) = &param.kind {
+            assert!(options.len() > 1, "{what} leaves no choice");
+            options.iter().for_each(|o| assert_prose(&format!("{what}={}", o.name), o.about));
         }
     }
     for port_type in registry.types() {
@@ -75,17 +86,14 @@ fn names_are_words_of_recipes() {
 
 #[test]
 fn numbers_have_units_and_bounds() {
-    for kind in standard().kinds() {
-        for param in &kind.params {
-            let what = format!("{}.{}", kind.name, param.name);
-            if let ParamKind::Number { dimension, min, max } = param.kind {
-                assert!(min.is_finite() && max.is_finite() && min < max, "{what}: {min} to {max}");
-                let is_share = (min, max) == (0.0, 1.0);
-                assert!(dimension != Dimension::Plain || is_share, "{what} has no unit");
-            }
-            if let ParamKind::Integer { min, max, .. } = param.kind {
-                assert!(min < max, "{what}: {min} to {max}");
-            }
+    for (what, param) in all_params(&standard()) {
+        if let ParamKind::Number { dimension, min, max } = param.kind {
+            assert!(min.is_finite() && max.is_finite() && min < max, "{what}: {min} to {max}");
+            let is_share = (min, max) == (0.0, 1.0);
+            assert!(dimension != Dimension::Plain || is_share, "{what} has no unit");
+        }
+        if let ParamKind::Integer { min, max, .. } = param.kind {
+            assert!(min < max, "{what}: {min} to {max}");
         }
     }
 }
@@ -97,33 +105,28 @@ fn in_catalog(catalogs: &Catalogs, catalog: &str, name: &str) -> bool {
 #[test]
 fn defaults_lie_within_their_range() {
     let registry = standard();
-    for kind in registry.kinds() {
-        for param in &kind.params {
-            let what = format!("{}.{}", kind.name, param.name);
-            let Some(default) = &param.default else {
-                assert_eq!(param.kind, ParamKind::InputFile, "{what} has no default");
-                continue;
-            };
-            let fits = match (&param.kind, default) {
-                (ParamKind::Number { min, max, .. }, ParamValue::Number(n)) => {
-                    (min..=max).contains(&n)
-                }
-                (ParamKind::Integer { min, max, odd, .. }, ParamValue::Integer(n)) => {
-                    (min..=max).contains(&n) && (!odd || n % 2 == 1)
-                }
-                (ParamKind::Choice(options), ParamValue::Text(word)) => {
-                    options.iter().any(|option| option.name == word)
-                }
-                (ParamKind::Catalog(catalog), ParamValue::Text(name)) => {
-                    in_catalog(registry.catalogs(), catalog, name)
-                }
-                (ParamKind::Switch, ParamValue::Switch(_))
-                | (ParamKind::Text, ParamValue::Text(_))
-                | (ParamKind::OutputName, ParamValue::Output(_)) => true,
-                _ => false,
-            };
-            assert!(fits, "{what}: {default} is not {}", param.kind);
-        }
+    for (what, param) in all_params(&registry) {
+        let Some(default) = &param.default else {
+            assert_eq!(param.kind, ParamKind::InputFile, "{what} has no default");
+            continue;
+        };
+        let fits = match (&param.kind, default) {
+            (ParamKind::Number { min, max, .. }, ParamValue::Number(n)) => (min..=max).contains(&n),
+            (ParamKind::Integer { min, max, odd, .. }, ParamValue::Integer(n)) => {
+                (min..=max).contains(&n) && (!odd || n % 2 == 1)
+            }
+            (ParamKind::Choice(options), ParamValue::Text(word)) => {
+                options.iter().any(|option| option.name == word)
+            }
+            (ParamKind::Catalog { catalog, .. }, ParamValue::Text(name)) => {
+                in_catalog(registry.catalogs(), catalog, name)
+            }
+            (ParamKind::Switch, ParamValue::Switch(_))
+            | (ParamKind::Text, ParamValue::Text(_))
+            | (ParamKind::OutputName, ParamValue::Output(_)) => true,
+            _ => false,
+        };
+        assert!(fits, "{what}: {default} is not {}", param.kind);
     }
 }
 
@@ -205,4 +208,71 @@ fn every_kind_stands_in_a_file_of_its_own_and_is_tested() {
         let tests = std::fs::read_to_string(workspace().join(tests)).unwrap();
         assert!(tests.contains("#[test]"), "{}: its tests are gone", kind.name);
     }
+}
+
+/// A kind of node that makes nothing of nothing, as a plugin may bring it.
+struct Foreign(&'static str);
+
+impl Node for Foreign {
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn about(&self) -> &str {
+        "Makes a remark."
+    }
+
+    fn outputs(&self) -> &[Port] {
+        &[Port { name: "remark", about: "A remark.", type_name: "remark", optional: false }]
+    }
+
+    fn run(&self, _: &Job<'_>) -> Result<Vec<Raw<'static>>, NodeFault> {
+        Ok(Vec::new())
+    }
+}
+
+fn foreign(names: &[&'static str]) -> Batch {
+    let node = |name: &&'static str| Box::new(Foreign(name)) as Box<dyn Node>;
+    Batch { nodes: names.iter().map(node).collect(), ..Batch::default() }
+}
+
+#[test]
+fn nodes_from_elsewhere_stand_in_their_place_among_the_standard_ones() {
+    let mut offers = standard_offers();
+    offers.add(foreign(&["zoom", "adjust"]), "acme 1.0").unwrap();
+    let registry = registry(offers).unwrap();
+    let names: Vec<&str> = registry.kinds().iter().map(|kind| kind.name).collect();
+    assert_eq!((names[0], *names.last().unwrap()), ("adjust", "zoom"));
+    assert_eq!(registry.kind("zoom").unwrap().origin.as_deref(), Some("acme 1.0"));
+    assert!(registry.kind("cutter").unwrap().origin.is_none());
+}
+
+#[test]
+fn nothing_is_offered_under_a_name_that_is_taken() {
+    let mut offers = standard_offers();
+    let mut refusal = |batch| offers.add(batch, "acme 1.0").unwrap_err().to_string();
+    let taken = |what: &str| format!("it offers the {what}, and there is one of that name already");
+    assert_eq!(refusal(foreign(&["link"])), taken("node \"link\""));
+    assert_eq!(refusal(foreign(&["x", "x"])), taken("node \"x\""));
+    let cutters = Batch { cutters: carvegraph_cutters::standard(), ..Batch::default() };
+    assert_eq!(refusal(cutters), taken("cutter \"ball\""));
+    let dialects = Batch { dialects: carvegraph_dialects::standard(), ..Batch::default() };
+    assert_eq!(refusal(dialects), taken("dialect \"fanuc\""));
+    // All or nothing.
+    assert_eq!(refusal(foreign(&["y", "link"])), taken("node \"link\""));
+    assert!(registry(offers).unwrap().kind("y").is_none());
+}
+
+#[test]
+fn a_cutters_dimensions_are_fields_of_its_node() {
+    let registry = standard();
+    let ball = registry.catalogs().entry("cutter", "ball").unwrap();
+    let diameter = ball.param("diameter").unwrap();
+    assert_eq!(diameter.kind.to_string(), "number, 0.01 to 200 mm");
+    assert_eq!(diameter.default, Some(ParamValue::Number(6.0)));
+    assert_eq!(diameter.about, "Diameter of the cutting part.");
+    assert_eq!(
+        registry.kind("cutter").unwrap().choosers().collect::<Vec<_>>(),
+        [("shape", "cutter")]
+    );
 }

@@ -4,7 +4,7 @@
 //! 2: the recipe or the call is wrong, or a parameter is absurd for the job. 1: a node failed, on a
 //! file that cannot be what it says.
 
-use crate::bench::{Bench, QUICK, recipe_text};
+use crate::bench::{Bench, QUICK, recipe_text, with_diameter};
 use std::time::Duration;
 
 /// Calls `carve run`, which must fail with `status`, say all of `words` and write nothing.
@@ -302,8 +302,8 @@ fn two_nodes_that_write_one_file() {
 #[test]
 fn five_slips_are_five_errors_at_once() {
     let bench = bench_with_recipe(|text| {
-        text.replace("\"gaussian_blur\"", "\"gausian_blur\"")
-            .replace("\"diameter\": 6.0", "\"diameter\": -6.0")
+        with_diameter(&text, "-6.0")
+            .replace("\"gaussian_blur\"", "\"gausian_blur\"")
             .replace("\"pattern\": \"passes\"", "\"pattern\": \"pases\"")
             .replace("\"1500mm/min\"", "\"1500rpm\"")
             .replace("\"format\": \"binary\"", "\"formt\": \"binary\"")
@@ -474,4 +474,32 @@ fn reports_are_written_where_they_can_be() {
         assert_eq!(answer.out, "out/hills.stl\n");
     }
     assert_eq!(bench.names(), ["file", "folder", "hills.png", "new", "out"]);
+}
+
+#[test]
+fn a_recipe_cannot_name_a_library() {
+    let rule = "a recipe cannot name a library: plugins are loaded only from the plugin folders and \
+                --plugins";
+    for (was, is) in [
+        ("\"dialect\": \"grbl\"", "\"dialect\": \"./evil.so\""),
+        ("(kind: \"cutter\")", "(kind: \"cutter\", set: { \"shape\": \"../evil.dylib\" })"),
+        ("(kind: \"grayscale\"", "(kind: \"C:/evil.dll\""),
+        ("    params: {", "    plugins: [\"evil.so\"],\n    params: {"),
+        ("(kind: \"cutter\")", "(kind: \"cutter\", library: \"evil.so\")"),
+    ] {
+        let bench = bench_with_recipe(|text| {
+            assert!(text.contains(was), "{was}");
+            text.replacen(was, is, 1)
+        });
+        assert_refused(&bench, &["mine.ron"], 2, &["mine.ron:", "evil.", rule]);
+    }
+}
+
+#[test]
+fn dimensions_that_a_shape_lacks_are_told_with_those_it_has() {
+    let bench = bench_with_recipe(|text| with_diameter(&text, "3"));
+    let complaint = "node \"tool\" (cutter) has no parameter \"flutes\"";
+    assert_refused(&bench, &["mine.ron", "--set", "tool.flutes=3"], 2, &[complaint]);
+    let answer = bench.carve(&["check", "mine.ron", "--set", "tool.diameter=1in"]);
+    assert_eq!(answer.status, 0, "{}", answer.err);
 }

@@ -3,18 +3,15 @@
 //! A word stands only where it changes something (motion, plane, F), unless the controller forgets
 //! it; an arc carries both axes of its plane and both offsets.
 
-use super::{Center, PathTolerance, ProgramNumber, Rs274};
+use super::{Center, Rs274};
 use crate::block::Blocks;
 use crate::comment::{MARK, comments};
-use crate::front::{self, Abilities, Rapid, Turn, Writer};
-use crate::name;
+use crate::front::{self, Rapid, Turn, Writer};
+use crate::lines::{Pick, Sheet};
 use crate::number::Grid;
-use crate::template::fill;
-use carvegraph_sdk::{Command, Direction, Plane, PostError, Program, Units};
+use carvegraph_sdk::{Command, Direction, Plane, PostError, Program};
+use minijinja::value::Value;
 use std::io;
-
-/// The longest name that Siemens takes, and longer than anybody reads.
-const NAME_LENGTH: usize = 24;
 
 /// The motion mode the controller is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +25,7 @@ enum Motion {
 pub(crate) struct Rs274Writer<'a> {
     dialect: &'a Rs274,
     program: &'a Program<'a>,
+    sheet: Sheet<'a>,
     grid: Grid,
     feeds: Grid,
     blocks: Blocks<'a>,
@@ -41,18 +39,14 @@ pub(crate) struct Rs274Writer<'a> {
 
 impl Writer for Rs274Writer<'_> {
     fn head(&mut self) -> Result<(), PostError> {
-        let dialect = self.dialect;
-        for line in dialect.opening {
-            let line = self.filled(line);
+        for line in self.sheet.render(|lines| &lines.opening, &[])? {
             self.blocks.bare_line(&line)?;
         }
         self.comment("Carvegraph: ", self.program.title)?;
         for remark in self.program.remarks {
             self.comment(MARK, remark)?;
         }
-        for note in dialect.notes {
-            self.note(note)?;
-        }
+        self.remarks(|lines| &lines.notes, &[])?;
         let moves = |command: &&Command| {
             use Command::{Arc, Feed, Rapid, ToolChange};
             matches!(command, ToolChange { .. } | Rapid { .. } | Feed { .. } | Arc { .. })
@@ -60,56 +54,53 @@ impl Writer for Rs274Writer<'_> {
         let first = self.program.commands.iter().find(moves);
         let has_tool = matches!(first, Some(Command::ToolChange { .. }));
         if !has_tool {
-            self.note(dialect.note_without_tool)?;
+            self.remarks(|lines| &lines.note_without_tool, &[])?;
         }
-        self.lines(dialect.head)?;
+        self.lines(|lines| &lines.header, &[])?;
         self.path_tolerance()?;
-        if has_tool { Ok(()) } else { self.lines(dialect.retract) }
+        if has_tool { Ok(()) } else { self.lines(|lines| &lines.retract, &[]) }
     }
 
     fn comment(&mut self, mark: &str, text: &str) -> Result<(), PostError> {
-        for line in comments(&self.dialect.comments, mark, text, self.dialect.line_limit) {
+        let Some(style) = &self.dialect.comments else { return Ok(()) };
+        for line in comments(style, mark, text, self.dialect.line_limit as usize) {
             self.blocks.bare_line(&line)?;
         }
         Ok(())
     }
 
     fn tool_change(&mut self, number: u32) -> Result<(), PostError> {
-        let dialect = self.dialect;
-        let tool = |key: &str| (key == "tool").then(|| number.to_string());
-        self.lines(dialect.retract)?;
-        self.comment(MARK, &fill(dialect.tool_note, tool))?;
-        for line in dialect.tool_change {
-            self.blocks.line(&fill(line, tool))?;
-        }
+        let tool = [("tool", Value::from(number))];
+        self.lines(|lines| &lines.retract, &[])?;
+        self.remarks(|lines| &lines.tool_note, &tool)?;
+        self.lines(|lines| &lines.tool_change, &tool)?;
         self.motion = None;
         self.plane = None;
-        self.length = (!dialect.length_with_z.is_empty()).then_some(number);
+        self.length = Some(number);
         Ok(())
     }
 
     fn spindle(&mut self, rpm: u32, direction: Direction) -> Result<(), PostError> {
-        let line = match direction {
-            Direction::Clockwise => self.dialect.words.spindle_clockwise,
-            Direction::CounterClockwise => self.dialect.words.spindle_counterclockwise,
-        };
-        self.blocks.line(&fill(line, |key| (key == "rpm").then(|| rpm.to_string())))
+        let rpm = [("rpm", Value::from(rpm))];
+        match direction {
+            Direction::Clockwise => self.lines(|lines| &lines.spindle_clockwise, &rpm),
+            Direction::CounterClockwise => {
+                self.lines(|lines| &lines.spindle_counterclockwise, &rpm)
+            }
+        }
     }
 
     fn spindle_stop(&mut self) -> Result<(), PostError> {
-        self.blocks.line(self.dialect.words.spindle_stop)
+        self.lines(|lines| &lines.spindle_stop, &[])
     }
 
     fn dwell(&mut self, milliseconds: i64) -> Result<(), PostError> {
         if !std::mem::replace(&mut self.dwelt, true) {
-            self.note(self.dialect.note_on_dwell)?;
+            self.remarks(|lines| &lines.note_on_dwell, &[])?;
         }
-        let line = fill(self.dialect.words.dwell, |key| match key {
-            "seconds" => Some(Grid::THOUSANDTHS.text(milliseconds)),
-            "milliseconds" => Some(milliseconds.to_string()),
-            _ => None,
-        });
-        self.blocks.line(&line)
+        let seconds = Value::from(milliseconds as f64 / 1000.0);
+        let time = [("milliseconds", Value::from(milliseconds)), ("seconds", seconds)];
+        self.lines(|lines| &lines.dwell, &time)
     }
 
     fn rapid(&mut self, rapid: Rapid) -> Result<(), PostError> {
@@ -117,8 +108,10 @@ impl Writer for Rs274Writer<'_> {
         if rapid.axes[2]
             && let Some(number) = self.length.take()
         {
-            let tool = |key: &str| (key == "tool").then(|| number.to_string());
-            self.blocks.word(&fill(self.dialect.length_with_z, tool));
+            let tool = [("tool", Value::from(number))];
+            for words in self.sheet.render(|lines| &lines.tool_length, &tool)? {
+                self.blocks.word(&words);
+            }
         }
         for axis in 0..3 {
             if rapid.axes[axis] {
@@ -149,7 +142,7 @@ impl Writer for Rs274Writer<'_> {
                 Plane::Zx => 1,
                 Plane::Yz => 2,
             };
-            self.blocks.line(self.dialect.words.planes[word])?;
+            self.blocks.line(&self.dialect.words.planes[word])?;
         }
         self.motion(Motion::Arc(turn.direction));
         for axis in 0..3 {
@@ -158,8 +151,8 @@ impl Writer for Rs274Writer<'_> {
             }
         }
         match self.dialect.center {
-            Center::Radius(word) => {
-                self.blocks.word(word);
+            Center::Radius => {
+                self.blocks.word(&self.dialect.radius_word);
                 self.blocks.digits(self.grid, radius(turn));
             }
             center => {
@@ -176,10 +169,10 @@ impl Writer for Rs274Writer<'_> {
     }
 
     fn end(mut self) -> Result<(), PostError> {
-        self.blocks.line(self.dialect.words.spindle_stop)?;
-        self.lines(self.dialect.end)?;
-        for line in self.dialect.closing {
-            self.blocks.bare_line(line)?;
+        self.spindle_stop()?;
+        self.lines(|lines| &lines.footer, &[])?;
+        for line in self.sheet.render(|lines| &lines.closing, &[])? {
+            self.blocks.bare_line(&line)?;
         }
         self.blocks.finish()
     }
@@ -189,15 +182,16 @@ impl<'a> Rs274Writer<'a> {
     pub(crate) fn new(
         dialect: &'a Rs274,
         program: &'a Program<'a>,
+        sheet: Sheet<'a>,
         out: &'a mut dyn io::Write,
     ) -> Self {
-        let Abilities { numbers, feed_unit, .. } = dialect.abilities;
         Self {
             dialect,
             program,
-            grid: Grid::lengths(program.units, numbers),
-            feeds: Grid::feeds(program.units, numbers, feed_unit),
-            blocks: Blocks::new(out, dialect.line_limit, dialect.numbering),
+            sheet,
+            grid: Grid::lengths(program.units, dialect.numbers),
+            feeds: Grid::feeds(program.units, dialect.numbers, dialect.feed_unit),
+            blocks: Blocks::new(out, dialect.line_limit as usize, dialect.numbering.as_ref()),
             motion: None,
             plane: Some(Plane::Xy),
             length: None,
@@ -211,10 +205,10 @@ impl<'a> Rs274Writer<'a> {
         if self.motion.replace(motion) != Some(motion) || self.dialect.repeat_motion {
             let words = &self.dialect.words;
             self.blocks.word(match motion {
-                Motion::Rapid => words.rapid,
-                Motion::Feed => words.feed,
-                Motion::Arc(Direction::Clockwise) => words.clockwise,
-                Motion::Arc(Direction::CounterClockwise) => words.counterclockwise,
+                Motion::Rapid => &words.rapid,
+                Motion::Feed => &words.feed,
+                Motion::Arc(Direction::Clockwise) => &words.clockwise,
+                Motion::Arc(Direction::CounterClockwise) => &words.counterclockwise,
             });
         }
     }
@@ -226,45 +220,25 @@ impl<'a> Rs274Writer<'a> {
         }
     }
 
-    fn lines(&mut self, lines: &[&str]) -> Result<(), PostError> {
-        for line in lines {
-            let line = self.filled(line);
-            self.blocks.line(&line)?;
+    fn lines(&mut self, pick: Pick, values: &[(&'static str, Value)]) -> Result<(), PostError> {
+        self.sheet.write(pick, values, &mut self.blocks)
+    }
+
+    fn remarks(&mut self, pick: Pick, values: &[(&'static str, Value)]) -> Result<(), PostError> {
+        for remark in self.sheet.remarks(pick, values)? {
+            self.comment(MARK, &remark)?;
         }
         Ok(())
     }
 
-    fn note(&mut self, note: &str) -> Result<(), PostError> {
-        let note = self.filled(note);
-        self.comment(MARK, &note)
-    }
-
-    /// A line with what is the same in the whole program.
-    fn filled(&self, line: &str) -> String {
-        let title = self.program.title;
-        fill(line, |key| match (key, self.program.units) {
-            ("units", Units::Mm) => Some(self.dialect.words.mm.to_owned()),
-            ("units", Units::Inch) => Some(self.dialect.words.inch.to_owned()),
-            ("unit", Units::Mm) => Some("millimetres".to_owned()),
-            ("unit", Units::Inch) => Some("inches".to_owned()),
-            ("name", _) => Some(name::name(title, NAME_LENGTH)),
-            ("number", _) => {
-                let ProgramNumber { digits, limit } = self.dialect.program_number;
-                Some(format!("{:0digits$}", name::number(title, limit)))
-            }
-            _ => None,
-        })
-    }
-
     fn path_tolerance(&mut self) -> Result<(), PostError> {
-        let line = match self.dialect.path_tolerance {
-            PathTolerance::None => return Ok(()),
-            PathTolerance::IfGiven(_) if self.program.path_tolerance_mm == 0.0 => return Ok(()),
-            PathTolerance::IfGiven(line) | PathTolerance::Always(line) => line,
-        };
-        let steps = front::path_tolerance(self.program, self.grid)?;
-        let line = fill(line, |key| (key == "tolerance").then(|| self.grid.text(steps)));
-        self.blocks.line(&line)
+        let is_told = !self.dialect.lines.path_tolerance.is_empty();
+        let is_given = self.program.path_tolerance_mm != 0.0;
+        if !is_told || !is_given && !self.dialect.needs_path_tolerance {
+            return Ok(());
+        }
+        let tolerance = front::path_tolerance(self.program, self.grid)?;
+        self.lines(|lines| &lines.path_tolerance, &[("tolerance", tolerance)])
     }
 }
 

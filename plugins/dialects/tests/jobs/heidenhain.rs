@@ -1,6 +1,6 @@
 //! Reads conversational programs as strictly as an iTNC would.
 
-use super::Move;
+use carvegraph_sdk::conformance::dialect::Move;
 use carvegraph_sdk::{Arc, Direction, Plane};
 
 /// A line to the end of a helix that was rounded by its angle is this short.

@@ -1,9 +1,12 @@
 //! Reads OpenSBP as strictly as a ShopBot would.
 
-use super::Move;
-use super::reader::{number, sweep};
+use carvegraph_sdk::conformance::dialect::{self, Move, sweep};
 use carvegraph_sdk::{Arc, Direction, Plane};
 use std::f64::consts::PI;
+
+fn number(text: &str, whole: bool, line: &str) -> f64 {
+    dialect::number(text, whole, 4).unwrap_or_else(|fault| panic!("{line:?}: {fault}"))
+}
 
 /// The moves of a program; a position that is unknown is NaN.
 pub(crate) fn read(text: &str) -> Vec<Move> {

@@ -1,8 +1,15 @@
-//! The slow truth: every triangle, edge and vertex, by formulas other than the kernels'.
+//! The slow truth that the drop cutter is held against: every triangle, edge and vertex, by formulas
+//! other than the kernels'. For tests, these and those of cutter plugins; the feature `oracle` adds it.
+//!
+//! Balls and flats are exact to rounding. Others are sampled and refined, and good to 1e-6 mm for
+//! profiles of some hundred pieces on fields of a pitch near the cutter's size.
 
-use carvegraph_geometry::{Against, DVec2, DVec3, HeightField, Profile};
+// From the parent: this crate, or its tests, which take the file in so that they need no feature.
+use super::{Against, DVec2, DVec3, HeightField, Profile};
 
-/// Greatest tip at `at`, −∞ without contact.
+/// The height of the tip, in mm, at which a cutter lowered at `at` (mm) touches the field; −∞ if
+/// there is nothing under it. The time is that of looking at the whole field.
+#[must_use]
 pub fn drop(field: &HeightField, against: Against, profile: &Profile, at: DVec2) -> f64 {
     let mut best = f64::NEG_INFINITY;
     for j in 0..field.rows() {
@@ -34,9 +41,10 @@ fn on_triangle(profile: &Profile, corners: [DVec3; 3], best: f64) -> f64 {
     if nearest > radius || a.z.max(b.z).max(c.z) - profile.height(nearest) < best - 1e-9 {
         return f64::NEG_INFINITY;
     }
-    if *profile == Profile::ball(radius).unwrap() {
+    let is = |shape: Result<Profile, _>| shape.is_ok_and(|shape| shape == *profile);
+    if is(Profile::ball(radius)) {
         ball_on_triangle(radius, corners)
-    } else if *profile == Profile::flat(radius).unwrap() {
+    } else if is(Profile::flat(radius)) {
         disc_on_triangle(radius, corners)
     } else {
         any_on_triangle(profile, corners)
@@ -121,7 +129,8 @@ fn disc_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
 }
 
 /// Along the way uphill from the axis (where the greatest z − h(r) over a plane is) and along the
-/// edges, by sampling and refinement of what lies in the triangle and under the cutter.
+/// edges: at the ends of the profile's pieces, and by sampling and refinement of what lies in the
+/// triangle and under the cutter.
 fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
     let [a, b, c] = corners;
     let radius = profile.radius_mm();
@@ -129,6 +138,7 @@ fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
     let gradient = -normal.truncate() / normal.z;
     let uphill = gradient.normalize_or_zero();
     let clearance = |place: DVec2, z: f64| z - profile.height(place.length().min(radius));
+    let ends = profile.segments().iter().map(|segment| segment.to()[0]);
     let mut best = f64::NEG_INFINITY;
 
     let (mut from, mut to) = (0.0_f64, radius);
@@ -151,11 +161,23 @@ fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
             let on_edge = |t: f64| clearance(start + way * t, a.z + (b.z - a.z) * t);
             best = best.max(maximum(on_edge, low.max(0.0), high.min(1.0)));
         }
+        for r in ends.clone() {
+            let root = (qb * qb - qa * (start.length_squared() - r * r)).sqrt();
+            for t in [(-qb - root) / qa, (-qb + root) / qa] {
+                if (0.0..=1.0).contains(&t) {
+                    best = best.max(a.z + (b.z - a.z) * t - profile.height(r));
+                }
+            }
+        }
     }
     let on_plane = |t: f64| {
         let place = uphill * t;
         clearance(place, a.z + gradient.dot(place - a.truncate()))
     };
+    let level = a.z - gradient.dot(a.truncate());
+    for r in ends.filter(|r| (from..=to).contains(r)) {
+        best = best.max(level + gradient.length() * r - profile.height(r));
+    }
     best.max(maximum(on_plane, from, to))
 }
 
