@@ -23,6 +23,7 @@ use std::process::ExitCode;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exit {
     Done = 0,
+    /// Or a plugin is at fault.
     NodeFailed = 1,
     Wrong = 2,
     Interrupted = 130,
@@ -78,7 +79,7 @@ fn obey(command: Command, given: &[PathBuf]) -> Result<Exit, Refusal> {
         Command::Dialects { action: Some(DialectAction::New { name, from }) } => {
             say(&plugins::new_dialect(&name, &from, &plugins::folder_to_write(given)?)?);
         }
-        Command::Plugins { action } => say(&manage(action, given)?),
+        Command::Plugins { action } => return manage(action, given),
         Command::Graphs { name: None, .. } => say(&list::graphs()?),
         Command::Graphs { name: Some(name), text } => {
             say(&list::graph(&registry()?, &name, text)?);
@@ -92,20 +93,22 @@ fn obey(command: Command, given: &[PathBuf]) -> Result<Exit, Refusal> {
     Ok(Exit::Done)
 }
 
-/// `carve plugins`: what it has to say.
-fn manage(action: Option<PluginAction>, given: &[PathBuf]) -> Result<String, Refusal> {
+/// `carve plugins`.
+fn manage(action: Option<PluginAction>, given: &[PathBuf]) -> Result<Exit, Refusal> {
     let folders = || plugins::folders(given);
     match action {
-        None => Ok(plugins::list(&plugins::found(&folders()?), &folders()?)),
+        None => say(&plugins::list(&plugins::found(&folders()?), &folders()?)),
         Some(PluginAction::Doctor) => {
             let brought = Brought::load(plugins::found(&folders()?));
-            Ok(plugins::doctor(&brought, &folders()?))
+            say(&plugins::doctor(&brought, &folders()?));
+            return Ok(if brought.faults.is_empty() { Exit::Done } else { Exit::NodeFailed });
         }
         Some(PluginAction::Install { file, id }) => {
-            plugins::install(&file, id.as_deref(), &plugins::folder_to_write(given)?)
+            say(&plugins::install(&file, id.as_deref(), &plugins::folder_to_write(given)?)?);
         }
-        Some(PluginAction::Probe { library }) => plugins::examine_here(&library),
+        Some(PluginAction::Probe { library }) => say(&plugins::examine_here(&library)?),
     }
+    Ok(Exit::Done)
 }
 
 /// All that recipes can use. What cannot be used is told, and no harm to a recipe that does not need it.

@@ -4,7 +4,7 @@
 
 use crate::plugins::child;
 use carvegraph_core::source::Source;
-use carvegraph_core::{Diagnostics, Missing, Registry};
+use carvegraph_core::{Diagnostic, Diagnostics, Missing, Registry};
 use carvegraph_dialects::{DialectFile, from_file};
 use carvegraph_host::{Candidate, Discovered, Fault, Plugin, linked};
 use carvegraph_nodes::{Batch, Offers, registry};
@@ -165,7 +165,11 @@ impl Brought {
 }
 
 fn first_message(faults: &Diagnostics) -> String {
-    faults.0.first().map(|fault| fault.message.clone()).unwrap_or_default()
+    match faults.0.first() {
+        Some(Diagnostic { message, help: Some(help), .. }) => format!("{message}: {help}"),
+        Some(Diagnostic { message, .. }) => message.clone(),
+        None => String::new(),
+    }
 }
 
 fn dialect_file(file: &Arc<Source>) -> DialectFile {

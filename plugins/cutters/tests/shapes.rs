@@ -2,31 +2,51 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing helper fails its test")]
 
-use carvegraph_cutters::standard;
+use carvegraph_cutters::{Standard, standard};
+use carvegraph_host::{linked, load};
 use carvegraph_sdk::conformance::cutter::{check, check_drawn};
+use carvegraph_sdk::export::{Entry, entry};
 use carvegraph_sdk::{CutterShape, Dimensions, Profile};
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::path::PathBuf;
 
 const ROUND_OVER: &str = include_str!("drawings/round_over.svg");
 const OGEE: &str = include_str!("drawings/ogee.svg");
 
 /// The ways in which the standard shapes reach a program, and the shapes that come that way.
 fn ways() -> Vec<(&'static str, Vec<Box<dyn CutterShape>>)> {
-    vec![("linked", standard())]
+    static ENTRY: Entry = entry::<Standard>();
+    vec![
+        ("direct", standard()),
+        ("linked", linked(&ENTRY).unwrap().cutters),
+        ("library", load(&library("carvegraph_cutters_plugin")).unwrap().cutters),
+    ]
 }
 
-fn shape(name: &str) -> Box<dyn CutterShape> {
-    standard().into_iter().find(|s| s.name() == name).unwrap()
+/// The library that cargo made of a dependency, beside this test.
+fn library(name: &str) -> PathBuf {
+    let folder = std::env::current_exe().unwrap();
+    folder.with_file_name(format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"))
+}
+
+/// What a shape makes of dimensions, which is the same whichever way it came.
+fn made(name: &str, given: &[(&str, f64)]) -> Result<Profile, String> {
+    let mut all = ways().into_iter().map(|(_, shapes)| {
+        let shape = shapes.into_iter().find(|shape| shape.name() == name).unwrap();
+        let dimensions = Dimensions::new(shape.dimensions(), given).unwrap();
+        shape.profile(&dimensions).map_err(|fault| fault.to_string())
+    });
+    let first = all.next().unwrap();
+    all.for_each(|other| assert_eq!(other, first));
+    first
 }
 
 fn profile(name: &str, given: &[(&str, f64)]) -> Profile {
-    let shape = shape(name);
-    shape.profile(&Dimensions::new(shape.dimensions(), given).unwrap()).unwrap()
+    made(name, given).unwrap()
 }
 
 fn refusal(name: &str, given: &[(&str, f64)]) -> String {
-    let shape = shape(name);
-    let dimensions = Dimensions::new(shape.dimensions(), given).unwrap();
-    shape.profile(&dimensions).unwrap_err().to_string()
+    made(name, given).unwrap_err()
 }
 
 /// h at each r, to rounding.

@@ -39,12 +39,14 @@ pub enum Given {
         name: String,
     },
     /// A list is too long.
-    #[error("it gives {count} {what}; {MAX_LIST} at most are read")]
+    #[error("it gives {count} {what}; {limit} at most are read")]
     TooMany {
         /// What it is a list of.
         what: &'static str,
         /// Its length.
         count: usize,
+        /// The longest that is read.
+        limit: usize,
     },
     /// A pointer is null, or not aligned for what it points to.
     #[error("its {what} are at no valid address")]
@@ -92,7 +94,7 @@ pub(crate) unsafe fn list<'a, T>(
 ) -> Result<&'a [T], Given> {
     match count {
         0 => Ok(&[]),
-        _ if count > limit => Err(Given::TooMany { what, count }),
+        _ if count > limit => Err(Given::TooMany { what, count, limit }),
         _ if data.is_null() || !data.is_aligned() => Err(Given::BadAddress { what }),
         // SAFETY: checked as far as can be; the caller promises the rest.
         _ => Ok(unsafe { slice::from_raw_parts(data, count) }),

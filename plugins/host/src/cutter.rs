@@ -135,10 +135,14 @@ struct Taken {
 unsafe extern "C" fn put(data: *mut c_void, segments: *const abi::Segment, count: usize) -> Status {
     // SAFETY: `data` is what `profile` handed over, which waits for the call to return.
     let taken = unsafe { &mut *data.cast::<Taken>() };
-    let room = MAX_SEGMENTS - taken.segments.len();
-    // SAFETY: the plugin promises the segments.
-    let more = unsafe { borrow::list("segments", segments, count, room) };
-    let more = more.map_err(|fault| fault.to_string());
+    let total = count.saturating_add(taken.segments.len());
+    let fits = if total <= MAX_SEGMENTS {
+        // SAFETY: the plugin promises the segments.
+        unsafe { borrow::list("segments", segments, count, MAX_SEGMENTS) }
+    } else {
+        Err(Given::TooMany { what: "segments", count: total, limit: MAX_SEGMENTS })
+    };
+    let more = fits.map_err(|fault| fault.to_string());
     match more.and_then(|more| more.iter().map(segment).collect::<Result<Vec<_>, _>>()) {
         Ok(more) => {
             taken.segments.extend(more);

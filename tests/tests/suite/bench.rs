@@ -1,5 +1,6 @@
 //! A folder to work in, pictures to carve, and the command to carve them with.
 
+use carvegraph_nodes::{Batch, Offers};
 use image::{GrayImage, ImageBuffer, Luma};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -82,6 +83,10 @@ impl Bench {
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
         // Neither the caller's terminal nor the caller's settings may show in what is printed.
         command.env_remove("RUST_BACKTRACE").env("COLUMNS", "100").env("NO_COLOR", "1");
+        // Nor may the plugins of whoever runs the tests.
+        for home in ["HOME", "XDG_DATA_HOME", "APPDATA"] {
+            command.env(home, self.path("home"));
+        }
         command
     }
 

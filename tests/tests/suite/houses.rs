@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// For each crate the crates of the workspace that it may build on; those below come first. Its tests
 /// and examples may use them too, and no others but those of [`TESTS_MAY_KNOW`].
-const MAY_KNOW: [(&str, &[&str]); 13] = [
+const MAY_KNOW: [(&str, &[&str]); 14] = [
     ("carvegraph-derive", &[]),
     ("carvegraph-core", &["carvegraph-derive"]),
     ("carvegraph-geometry", &[]),
@@ -18,6 +18,7 @@ const MAY_KNOW: [(&str, &[&str]); 13] = [
     ("carvegraph-cutters-plugin", &["carvegraph-cutters", "carvegraph-sdk"]),
     ("carvegraph-dialects", &["carvegraph-core", "carvegraph-sdk"]),
     ("carvegraph-dialects-plugin", &["carvegraph-dialects", "carvegraph-sdk"]),
+    ("carvegraph-misbehaving-plugin", &["carvegraph-sdk"]),
     ("carvegraph-nodes", &["carvegraph-core", "carvegraph-geometry", "carvegraph-sdk"]),
     (
         "carvegraph-cli",
@@ -36,9 +37,11 @@ const MAY_KNOW: [(&str, &[&str]); 13] = [
             "carvegraph-cli",
             "carvegraph-core",
             "carvegraph-cutters",
+            "carvegraph-cutters-plugin",
             "carvegraph-dialects",
+            "carvegraph-dialects-plugin",
             "carvegraph-geometry",
-            "carvegraph-host",
+            "carvegraph-misbehaving-plugin",
             "carvegraph-nodes",
             "carvegraph-sdk",
         ],

@@ -14,6 +14,8 @@ mod golden;
 mod houses;
 mod interrupt;
 mod kinds;
+mod machines;
+mod plugins;
 mod program;
 mod real_pictures;
 mod recipes;
