@@ -11,6 +11,7 @@ mod path;
 mod picture;
 mod plugin;
 mod registry;
+mod shop;
 mod surface;
 #[cfg(test)]
 mod testing;
@@ -21,4 +22,8 @@ pub use library::LIBRARY;
 pub use offers::{Batch, OfferError, Offers};
 pub use plugin::{PluginNodeError, kind_of};
 pub use registry::{Cutters, Dialects, registry};
+pub use shop::{
+    Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet, Tools,
+    Travel,
+};
 pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};

@@ -1,6 +1,7 @@
 //! The one list of nodes, the one list of what passes between them, and the catalogs they use.
 
 use crate::offers::{Offers, Versioned};
+use crate::shop::{Machine, Machines, NONE, Setup, Tool, ToolSheet, Tools};
 use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
 use crate::{output, path, picture, surface};
 use carvegraph_core::units::Dimension;
@@ -53,11 +54,29 @@ pub fn registry(offers: Offers) -> Result<Registry, RegistryError> {
     let entries: Vec<_> = dialects.iter().map(entry).collect();
     let dialects = Dialects(dialects.into_iter().map(|offer| offer.thing).collect());
     let catalogs = catalogs.with("dialect", entries, dialects);
+    let (machines, tools) = (Machines::built_in(), Tools::built_in());
+    let entries: Vec<_> = machines.0.iter().map(machine_entry).chain([nothing()]).collect();
+    let catalogs = catalogs.with("machine", entries, machines);
+    let entries: Vec<_> = tools.0.iter().map(tool_entry).chain([nothing()]).collect();
+    let catalogs = catalogs.with("tool", entries, tools);
     let registry = Registry::new(merged(kinds(), nodes), types(), catalogs)?;
     Ok(missing.into_iter().fold(registry, |registry, (sort, missing)| match sort {
         "node" => registry.with_missing_kinds([missing]),
         catalog => registry.with_missing_entries(catalog, [missing]),
     }))
+}
+
+/// The entry that stands for choosing none.
+fn nothing() -> CatalogEntry {
+    CatalogEntry::new(NONE, "")
+}
+
+fn machine_entry(machine: &Machine) -> CatalogEntry {
+    CatalogEntry::new(machine.name.as_str(), machine.version.as_str())
+}
+
+fn tool_entry(tool: &Tool) -> CatalogEntry {
+    CatalogEntry::new(tool.name.as_str(), tool.version.as_str())
 }
 
 /// Adds `extra` to a list that is in order. Each goes to its place; the list is not sorted anew, or
@@ -88,7 +107,8 @@ fn dimension_param(spec: &DimensionSpec) -> ParamSpec {
         about: sentence(spec.about).into(),
         kind: ParamKind::Number { dimension, min: spec.min, max: spec.max },
         default: Some(ParamValue::Number(spec.default)),
-        yields: false,
+        // To a tool of a library.
+        yields: true,
     }
 }
 
@@ -119,6 +139,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::SaveGcode>("output"),
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
+        NodeKind::of::<path::SetupNode>("path"),
         NodeKind::of::<surface::Stitch>("surface"),
         NodeKind::of::<output::Summary>("output"),
         NodeKind::of::<surface::ZMap>("surface"),
@@ -168,6 +189,18 @@ fn types() -> Vec<PortType> {
             "A choice that a node made by itself",
             remark_facts,
             |r: &Remark| r.text.len(),
+        ),
+        PortType::of(
+            "setup",
+            "The machine, the tool and the material of a job",
+            setup_facts,
+            |_: &Setup| size_of::<Setup>(),
+        ),
+        PortType::of(
+            "tool_sheet",
+            "A tool's number, and its speeds in materials",
+            sheet_facts,
+            |sheet: &ToolSheet| sheet.materials.len() * 72,
         ),
         PortType::of("toolpath", "A path of the cutter's tip", path_facts, |path: &Toolpath| {
             path.tips.len() * (24 + 32) + path.spans.len() * 24
@@ -261,6 +294,19 @@ fn reduction_facts(reduction: &Reduction) -> Facts {
 
 fn remark_facts(remark: &Remark) -> Facts {
     facts([("text", json!(remark.text))])
+}
+
+fn setup_facts(setup: &Setup) -> Facts {
+    facts([
+        ("machine", json!(setup.machine.name)),
+        ("tool", json!(setup.tool)),
+        ("material", json!(setup.material)),
+    ])
+}
+
+fn sheet_facts(sheet: &ToolSheet) -> Facts {
+    let materials: Vec<&str> = sheet.materials.iter().map(|(name, _)| name.as_str()).collect();
+    facts([("tool", json!(sheet.tool)), ("materials", json!(materials))])
 }
 
 fn path_facts(path: &Toolpath) -> Facts {

@@ -2,10 +2,13 @@
 //!
 //! The program's frame follows from where the user sets the machine to zero: `z_zero: bottom,
 //! xy_zero: corner` is the frame of the saved model; `top` and `center` shift it.
+//!
+//! A program that the machine of the setup cannot run is refused, with everything that keeps it from it.
 
 use crate::registry::Dialects;
+use crate::shop::{Demands, Machine, NONE, Setup, ToolChange, short};
 use crate::values::Gcode;
-use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Bounds, Cutter, DVec3, SpanKind, Toolpath};
 use carvegraph_sdk::{Command, Direction, PostError, Program, Stock, Units};
 use std::io;
@@ -13,15 +16,16 @@ use std::io;
 /// Bytes that are taken between two looks at the cancel token.
 const LOOK_BYTES: usize = 1 << 18;
 
-/// Writes a path as a program that a machine can run. `carve dialects` lists the dialects.
+/// Writes a path as a program that a machine can run. `carve dialects` lists the dialects. What is not set
+/// here comes from the setup.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct Post {
     /// What the controller understands.
     #[param(catalog = "dialect", default = "grbl")]
-    pub(crate) dialect: String,
+    pub(crate) dialect: Yielding<String>,
     /// Speed of the spindle.
     #[param(unit = "rpm", default = 12_000.0, range = 1.0..=200_000.0)]
-    pub(crate) spindle: f64,
+    pub(crate) spindle: Yielding<f64>,
     /// Where Z is 0: at the top of the part or at its bottom.
     #[param(default = ZZero::Top)]
     pub(crate) z_zero: ZZero,
@@ -33,10 +37,13 @@ pub(crate) struct Post {
     pub(crate) units: UnitSystem,
     /// Number of the cutter in the controller's tool table; 0 takes the one that is in the spindle.
     #[param(default = 0, range = 0..=9999)]
-    pub(crate) tool: u32,
+    pub(crate) tool: Yielding<u32>,
     /// How far the controller may round corners off to keep its speed, where it can be told.
     #[param(unit = "mm", default = 0.01, range = 0.0001..=10.0)]
     pub(crate) blend: f64,
+    /// Whether arcs may be written; if not, they become short lines.
+    #[param(default = true)]
+    pub(crate) arcs: Yielding<bool>,
 }
 
 /// Where Z is 0.
@@ -74,6 +81,8 @@ pub(crate) struct Job<'a> {
     part: &'a Bounds,
     /// The cutter, for the program's head.
     cutter: &'a Cutter,
+    /// The machine, the tool and the material.
+    setup: Option<&'a Setup>,
 }
 
 #[derive(Outputs)]
@@ -89,13 +98,20 @@ impl Node for Post {
     type Outputs = Posted;
 
     fn run(&self, inputs: Job<'_>, cx: &Context<'_>) -> Result<Posted, NodeError> {
+        let none = Setup::default();
+        let setup = inputs.setup.unwrap_or(&none);
+        let machine = &setup.machine;
         let dialects: &Dialects = cx.service()?;
-        let dialect = dialects
-            .find(&self.dialect)
-            .ok_or_else(|| NodeError::failed(format!("there is no dialect {:?}", self.dialect)))?;
+        let name = self.dialect.or(machine.dialect.clone());
+        let dialect = dialects.find(&name).ok_or_else(|| self.no_dialect(&name, machine))?;
+        if let Some(own) = machine.dialect.as_ref().filter(|own| **own != name) {
+            cx.warn(format!("machine {:?} understands {own}, but {name} is set", machine.name));
+        }
         let origin = self.origin(inputs.part);
-        let commands = self.commands(inputs.toolpath, origin)?;
-        let remarks = self.remarks(&inputs);
+        let mut commands = self.start(setup, cx);
+        self.moves(inputs.toolpath, origin, &mut commands)?;
+        check(machine, &commands, cx)?;
+        let remarks = self.remarks(&inputs, setup, &commands);
         let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
         let program = Program {
             title: cx.prefix(),
@@ -105,6 +121,7 @@ impl Node for Post {
                 UnitSystem::Inch => Units::Inch,
             },
             path_tolerance_mm: self.blend,
+            lines_only: !self.arcs.or(machine.arcs),
             stock: Some(Stock {
                 min: (inputs.part.min - origin).to_array(),
                 max: (inputs.part.max - origin).to_array(),
@@ -117,10 +134,10 @@ impl Node for Post {
         let mut sink = Sink { text, cx, looked: 0 };
         dialect.post(&program, &mut sink).map_err(|fault| match fault {
             PostError::Io(_) if cx.is_cancelled() => NodeError::Cancelled,
-            fault => NodeError::Failed(format!("dialect {:?}: {fault}", self.dialect)),
+            fault => NodeError::Failed(format!("dialect {name:?}: {fault}")),
         })?;
-        let (dialect, extension) = (self.dialect.clone(), dialect.extension().to_owned());
-        Ok(Posted { program: Gcode { text: sink.text, dialect, extension } })
+        let extension = dialect.extension().to_owned();
+        Ok(Posted { program: Gcode { text: sink.text, dialect: name, extension } })
     }
 }
 
@@ -138,7 +155,42 @@ impl Post {
         xy.with_z(z)
     }
 
-    fn remarks(&self, inputs: &Job<'_>) -> Vec<String> {
+    /// The fault that there is no dialect of that name; if the machine names it, it is shown there.
+    fn no_dialect(&self, name: &str, machine: &Machine) -> NodeError {
+        if self.dialect.is_set() || machine.is_none() {
+            return NodeError::failed(format!("there is no dialect {name:?}"));
+        }
+        let Machine { name: of, dialect_place, .. } = machine;
+        NodeError::refused(
+            "dialect",
+            format!(
+                "{dialect_place}: machine {of:?} understands {name:?}, and there is no such dialect \
+                 (carve dialects): correct it there, or set dialect"
+            ),
+        )
+    }
+
+    /// What comes before the first move: the tool, and the spindle.
+    fn start(&self, setup: &Setup, cx: &Context<'_>) -> Vec<Command> {
+        let machine = &setup.machine;
+        let changes =
+            matches!(machine.tool_change, Some(ToolChange::Manual | ToolChange::Automatic));
+        let number = self.tool.or(setup.number.filter(|_| changes));
+        let default = self.spindle.or(None);
+        let rpm = match setup.conditions.spindle_rpm {
+            None if !self.spindle.is_set() => machine.nearest_spindle_rpm(default),
+            of_tool => self.spindle.or(of_tool),
+        };
+        if rpm != default && setup.conditions.spindle_rpm.is_none() {
+            let name = &machine.name;
+            cx.note(format!("the spindle turns at {rpm} rpm: {default} is not what {name:?} can do"));
+        }
+        let change = (number > 0).then_some(Command::ToolChange { number });
+        let spindle = Command::Spindle { rpm, direction: Direction::Clockwise };
+        change.into_iter().chain([spindle]).collect()
+    }
+
+    fn remarks(&self, inputs: &Job<'_>, setup: &Setup, commands: &[Command]) -> Vec<String> {
         let size = inputs.part.size();
         let cutter = inputs.cutter;
         let z_zero = match self.z_zero {
@@ -149,24 +201,27 @@ impl Post {
             XyZero::Corner => "near left corner",
             XyZero::Center => "middle of the part",
         };
-        vec![
+        let mut remarks = vec![
             format!("Cutter: {}, diameter {} mm", cutter.name, 2.0 * cutter.profile.radius_mm()),
             format!("Part: {:.3} x {:.3} x {:.3} mm", size.x, size.y, size.z),
             format!("Z0: {z_zero}"),
             format!("X0 Y0: {xy_zero}"),
-        ]
+        ];
+        remarks.extend(setup_remarks(setup, commands));
+        remarks
     }
 
-    fn commands(&self, path: &Toolpath, origin: DVec3) -> Result<Vec<Command>, NodeError> {
+    fn moves(
+        &self,
+        path: &Toolpath,
+        origin: DVec3,
+        commands: &mut Vec<Command>,
+    ) -> Result<(), NodeError> {
         let Some(feeds) = path.feeds else {
             let message = "the path has no speeds and no approach: put a link node before this one";
             return Err(NodeError::failed(message));
         };
-        let mut commands = Vec::with_capacity(path.tips.len() + 2);
-        if self.tool > 0 {
-            commands.push(Command::ToolChange { number: self.tool });
-        }
-        commands.push(Command::Spindle { rpm: self.spindle, direction: Direction::Clockwise });
+        commands.reserve(path.tips.len());
         for span in &path.spans {
             for tip in &path.tips[span.points.clone()] {
                 let to = (*tip - origin).to_array();
@@ -179,8 +234,39 @@ impl Post {
                 });
             }
         }
-        Ok(commands)
+        Ok(())
     }
+}
+
+/// Holds a program against the machine: refuses what it cannot run, warns of feeds that it slows down.
+fn check(machine: &Machine, commands: &[Command], cx: &Context<'_>) -> Result<(), NodeError> {
+    let violations = machine.violations(&Demands::of(commands));
+    if violations.is_empty() {
+        machine.slowed(commands).into_iter().for_each(|slowed| cx.warn(slowed));
+        return Ok(());
+    }
+    let param = violations.iter().find_map(|violation| violation.param).unwrap_or("setup");
+    let told: Vec<String> = violations.into_iter().map(|violation| violation.message).collect();
+    Err(NodeError::refused(param, format!("machine {:?}: {}", machine.name, told.join("; "))))
+}
+
+/// The setup in the program's head: nothing where nothing is chosen.
+fn setup_remarks(setup: &Setup, commands: &[Command]) -> Vec<String> {
+    let machine = &setup.machine;
+    let line = |what: &str, name: &str| (name != NONE).then(|| format!("{what}: {name}"));
+    let by_hand = commands.iter().find_map(|command| match command {
+        Command::Spindle { rpm, .. } if machine.spindle_by_hand() => {
+            Some(format!("Set the spindle to {} rpm by hand", short(*rpm)))
+        }
+        _ => None,
+    });
+    let lines = [
+        line("Machine", &machine.name),
+        line("Tool", &setup.tool),
+        line("Material", &setup.material),
+        by_hand,
+    ];
+    lines.into_iter().flatten().collect()
 }
 
 /// Where a dialect writes to; it refuses to take more when the run is called off.
@@ -210,12 +296,21 @@ impl io::Write for Sink<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shop::{SetBy, SpindleRange};
     use crate::testing::run;
     use carvegraph_geometry::{Contact, Profile, Span};
 
     fn post(z_zero: ZZero, xy_zero: XyZero) -> Post {
-        let (dialect, units) = ("grbl".to_owned(), UnitSystem::Mm);
-        Post { dialect, spindle: 9000.0, z_zero, xy_zero, units, tool: 0, blend: 0.01 }
+        Post {
+            dialect: Yielding::left("grbl".to_owned()),
+            spindle: Yielding::left(9000.0),
+            z_zero,
+            xy_zero,
+            units: UnitSystem::Mm,
+            tool: Yielding::left(0),
+            blend: 0.01,
+            arcs: Yielding::left(true),
+        }
     }
 
     #[test]
@@ -244,18 +339,21 @@ mod tests {
                 rapid_mm_per_min: 5000.0,
             }),
         };
-        let commands = post(ZZero::Bottom, XyZero::Corner).commands(&path, DVec3::ZERO).unwrap();
+        let moves = |path: &Toolpath| {
+            let mut commands = Vec::new();
+            let post = post(ZZero::Bottom, XyZero::Corner);
+            post.moves(path, DVec3::ZERO, &mut commands).map(|()| commands)
+        };
         assert_eq!(
-            commands,
+            moves(&path).unwrap(),
             [
-                Command::Spindle { rpm: 9000.0, direction: Direction::Clockwise },
                 Command::Rapid { to: [0.0, 0.0, 1.0] },
                 Command::Feed { to: [0.0; 3], mm_per_min: 300.0 },
                 Command::Feed { to: [1.0, 0.0, 0.0], mm_per_min: 1000.0 },
             ]
         );
         let loose = Toolpath { feeds: None, ..path };
-        let fault = post(ZZero::Top, XyZero::Corner).commands(&loose, DVec3::ZERO).unwrap_err();
+        let fault = moves(&loose).unwrap_err();
         assert!(fault.to_string().contains("put a link node before this one"));
     }
 
@@ -264,9 +362,68 @@ mod tests {
         let cutter = Cutter { name: "ball".into(), profile: Profile::ball(3.0).unwrap() };
         let path = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
         let part = Bounds { min: DVec3::ZERO, max: DVec3::ONE };
-        let job = Job { toolpath: &path, part: &part, cutter: &cutter };
+        let job = Job { toolpath: &path, part: &part, cutter: &cutter, setup: None };
         // A context without catalogs: no dialects at all.
         let fault = run(|cx| post(ZZero::Top, XyZero::Corner).run(job, cx)).err();
         assert!(fault.is_some_and(|fault| fault.to_string().contains("Dialects")));
+    }
+
+    /// The spindle's speed and the tool that a program begins with.
+    fn begins(post: &Post, setup: &Setup) -> (f64, Option<u32>) {
+        match *run(|cx| post.start(setup, cx)) {
+            [Command::ToolChange { number }, Command::Spindle { rpm, .. }] => (rpm, Some(number)),
+            [Command::Spindle { rpm, .. }] => (rpm, None),
+            ref other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn what_is_set_wins_over_the_tool_and_that_over_the_default() {
+        let post = || post(ZZero::Top, XyZero::Corner);
+        let mut setup = Setup { number: Some(4), ..Setup::default() };
+        assert_eq!(begins(&post(), &setup), (9000.0, None), "nobody said that it changes tools");
+        setup.machine.tool_change = Some(ToolChange::Manual);
+        setup.conditions.spindle_rpm = Some(7000.0);
+        assert_eq!(begins(&post(), &setup), (7000.0, Some(4)));
+        let (spindle, tool) = (Yielding::given(9000.0), Yielding::given(0));
+        assert_eq!(begins(&Post { spindle, tool, ..post() }, &setup), (9000.0, None));
+    }
+
+    #[test]
+    fn the_default_speed_of_the_spindle_yields_to_what_the_machine_can_do() {
+        let post = || post(ZZero::Top, XyZero::Corner);
+        let spindle = SpindleRange { min_rpm: None, max_rpm: Some(6000.0), set_by: SetBy::Hand };
+        let machine = Machine { name: "slow".into(), spindle: Some(spindle), ..Machine::default() };
+        let mut setup = Setup { machine, ..Setup::default() };
+        assert_eq!(begins(&post(), &setup).0, 6000.0);
+        let set = Post { spindle: Yielding::given(9000.0), ..post() };
+        assert_eq!(begins(&set, &setup).0, 9000.0, "it is refused, not changed");
+        setup.conditions.spindle_rpm = Some(7000.0);
+        assert_eq!(begins(&post(), &setup).0, 7000.0, "it is refused, not changed");
+        let fault = run(|cx| check(&setup.machine, &post().start(&setup, cx), cx)).unwrap_err();
+        let NodeError::Refused { param, message } = fault else { panic!("{fault}") };
+        assert_eq!(param, "spindle");
+        assert!(message.starts_with("machine \"slow\": the spindle is to turn at 7000 rpm"), "{message}");
+        assert_eq!(
+            setup_remarks(&setup, &run(|cx| set.start(&setup, cx))),
+            ["Machine: slow", "Set the spindle to 9000 rpm by hand"]
+        );
+        assert!(setup_remarks(&Setup::default(), &[]).is_empty());
+    }
+
+    #[test]
+    fn a_dialect_that_the_machine_names_and_nobody_knows_is_shown_in_its_profile() {
+        let machine = Machine {
+            name: "mill".into(),
+            dialect: Some("grbll".into()),
+            dialect_place: "mill.ron:3:14".into(),
+            ..Machine::default()
+        };
+        let post = post(ZZero::Top, XyZero::Corner);
+        assert_eq!(
+            post.no_dialect("grbll", &machine).to_string(),
+            "mill.ron:3:14: machine \"mill\" understands \"grbll\", and there is no such dialect \
+             (carve dialects): correct it there, or set dialect"
+        );
     }
 }

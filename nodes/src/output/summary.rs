@@ -1,5 +1,6 @@
 //! What was made, in words.
 
+use crate::shop::{NONE, Setup};
 use crate::values::{Gcode, Remark};
 use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
 use carvegraph_geometry::{Bounds, Cutter, HeightField, Reduction, SpanKind, Toolpath};
@@ -21,6 +22,8 @@ pub(crate) struct Made<'a> {
     part: Option<&'a Bounds>,
     /// The cutter.
     cutter: Option<&'a Cutter>,
+    /// The machine, the tool and the material.
+    setup: Option<&'a Setup>,
     /// What the cutter was dropped on, and why.
     choice: Option<&'a Remark>,
     /// What taking points out did.
@@ -61,6 +64,9 @@ fn summary(title: &str, made: &Made<'_>) -> String {
         let diameter = 2.0 * cutter.profile.radius_mm();
         say("cutter", format!("{}, diameter {diameter} mm", cutter.name));
     }
+    if let Some(setup) = made.setup {
+        describe_setup(setup, &mut say);
+    }
     if let Some(choice) = made.choice {
         say("drop", choice.text.clone());
     }
@@ -79,6 +85,24 @@ fn summary(title: &str, made: &Made<'_>) -> String {
         _ => format!("{what:<11}{text}\n"),
     };
     lines.into_iter().map(line).collect()
+}
+
+/// The setup: nothing of it where nothing is chosen.
+fn describe_setup(setup: &Setup, say: &mut impl FnMut(&str, String)) {
+    let machine = &setup.machine;
+    if setup.tool != NONE {
+        let number = setup.number.map(|number| format!(", number {number}")).unwrap_or_default();
+        say("tool", format!("{}{number}", setup.tool));
+    }
+    if setup.material != NONE {
+        say("material", setup.material.clone());
+    }
+    if !machine.is_none() {
+        say("machine", format!("{}: {}", machine.name, machine.about));
+    }
+    if machine.spindle_by_hand() {
+        say("spindle", "set its speed by hand, to what the program says".to_owned());
+    }
 }
 
 fn describe_reduction(reduction: &Reduction) -> String {
@@ -119,6 +143,7 @@ mod tests {
         surface: None,
         part: None,
         cutter: None,
+        setup: None,
         choice: None,
         reduction: None,
         toolpath: None,
@@ -142,6 +167,22 @@ mod tests {
             "mother\n\
              drop       dropped on the mesh\n\
              reduction  9 points in, 4 out; the path moved at most 0.0200 mm up, 0.0010 mm down\n"
+        );
+    }
+
+    #[test]
+    fn the_setup_is_named_where_there_is_one() {
+        let nothing = Setup::default();
+        assert_eq!(summary("mother", &Made { setup: Some(&nothing), ..NOTHING }), "mother\n");
+        let mut setup = Setup { tool: "ball_6".into(), number: Some(3), ..nothing };
+        setup.material = "walnut".into();
+        (setup.machine.name, setup.machine.about) = ("shed".into(), "In the shed".into());
+        assert_eq!(
+            summary("mother", &Made { setup: Some(&setup), ..NOTHING }),
+            "mother\n\
+             tool       ball_6, number 3\n\
+             material   walnut\n\
+             machine    shed: In the shed\n"
         );
     }
 }

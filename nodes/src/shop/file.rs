@@ -26,10 +26,11 @@ pub(super) fn is_readable(form: &Form, fields: &mut Fields<'_>) -> bool {
             form.push(fault.help("update carve to use it"));
             false
         }
-        _ => {
-            item.integer(1..=FORMAT);
+        ValueKind::Integer(format) if format < 1 => {
+            item.fault(format!("there is no format {format}; the first one is 1"));
             true
         }
+        _ => item.integer(1..=FORMAT).is_some(),
     }
 }
 

@@ -271,7 +271,9 @@ fn machine(form: &Form, item: Item<'_>, source: &Source) -> Option<Machine> {
     if !file::is_readable(form, &mut fields) {
         return None;
     }
-    let number = |dimension, range| move |item: Item<'_>| item.number(dimension, RangeInclusive::clone(&range));
+    let number = |dimension, range: RangeInclusive<f64>| {
+        move |item: Item<'_>| item.number(dimension, range.clone())
+    };
     let speed = || number(Dimension::Feed, SPEEDS_MM_PER_MIN);
     let acceleration = number(Dimension::Plain, ACCELERATIONS_MM_PER_S2);
     let changes = [
@@ -432,7 +434,7 @@ spindle: (min: 9000, max: 800, rpm: 5), tool_change: "yes", max_feed: 800)"#
             [
                 r#"shed/mill.ron:1:26 "my mill" is no name for a machine; letters, digits, _ and - do, 64 at most"#,
                 r#"shed/mill.ron:1:37 the machine has no field "travell"; did you mean "travel"?"#,
-                "shed/mill.ron:1:58 dialect must be a text in double quotes, not a bare word",
+                "shed/mill.ron:1:58 dialect must be a text in double quotes, not a bare word; write \"grbl\"",
                 r#"shed/mill.ron:2:9 travel lacks the field "z""#,
                 r#"shed/mill.ron:2:13 x: "300deg" is an angle; a length is wanted: mm, cm, m, um, in, thou, ft"#,
                 "shed/mill.ron:2:26 max (5 mm) must be above min (5 mm)",
@@ -460,7 +462,8 @@ spindle: (min: 9000, max: 800, rpm: 5), tool_change: "yes", max_feed: 800)"#
                  update carve to use it"
             ]
         );
-        assert!(faults("Machine(format: 0)")[0].contains("format must be between 1 and 1, not 0"));
+        let none = "shed/mill.ron:1:17 there is no format 0; the first one is 1".to_owned();
+        assert!(faults("Machine(format: 0)").contains(&none));
     }
 
     #[test]

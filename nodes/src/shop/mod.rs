@@ -10,6 +10,8 @@ mod tool;
 
 pub(crate) use limits::Demands;
 pub use machine::{Machine, Machines, SetBy, SpindleRange, ToolChange, Travel};
+#[cfg(test)]
+pub(crate) use tool::tests;
 pub use tool::{Conditions, Tool, ToolSheet, Tools};
 
 use carvegraph_core::source::Source;

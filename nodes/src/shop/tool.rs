@@ -405,7 +405,7 @@ pub(crate) mod tests {
             lines(&faults.err().unwrap()),
             [
                 r#"shed/mine.ron:2:1 "none" is no name for a tool: it stands for having none; letters, digits, _ and - do, 64 at most"#,
-                "shed/mine.ron:3:14 shape must be a text in double quotes, not a whole number",
+                "shed/mine.ron:3:14 shape must be a text in double quotes, not a whole number; write \"5\"",
                 "shed/mine.ron:3:25 number must be between 1 and 9999, not 0",
                 r#"shed/mine.ron:3:28 tool "a" has no field "dimension"; did you mean "dimensions"?"#,
                 r#"shed/mine.ron:4:49 feed: "5mm" is a length; a feed is wanted: mm/min, mm/s, cm/min, m/min, in/min, in/s"#,

@@ -4,11 +4,10 @@
 
 use carvegraph_cutters::{Standard, standard};
 use carvegraph_host::{linked, load};
+use carvegraph_sdk::conformance::built_library;
 use carvegraph_sdk::conformance::cutter::{check, check_drawn};
 use carvegraph_sdk::export::{Entry, entry};
 use carvegraph_sdk::{CutterShape, Dimensions, Profile};
-use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-use std::path::PathBuf;
 
 const ROUND_OVER: &str = include_str!("drawings/round_over.svg");
 const OGEE: &str = include_str!("drawings/ogee.svg");
@@ -19,14 +18,8 @@ fn ways() -> Vec<(&'static str, Vec<Box<dyn CutterShape>>)> {
     vec![
         ("direct", standard()),
         ("linked", linked(&ENTRY).unwrap().cutters),
-        ("library", load(&library("carvegraph_cutters_plugin")).unwrap().cutters),
+        ("library", load(&built_library("carvegraph_cutters_plugin")).unwrap().cutters),
     ]
-}
-
-/// The library that cargo made of a dependency, beside this test.
-fn library(name: &str) -> PathBuf {
-    let folder = std::env::current_exe().unwrap();
-    folder.with_file_name(format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"))
 }
 
 /// What a shape makes of dimensions, which is the same whichever way it came.

@@ -10,7 +10,9 @@
 
 mod check;
 mod fields;
+mod groups;
 mod read;
+mod rules;
 mod starter;
 
 use crate::family;
@@ -119,7 +121,9 @@ fn parent(
     let fault = |message: String| Diagnostic::error(message).at(name.span.clone());
     if children.len() > MAX_ANCESTORS {
         let message = format!("more than {MAX_ANCESTORS} dialects build on each other");
-        return Err(fault(message).help("build on one that is nearer to a standard dialect").into());
+        return Err(fault(message)
+            .help("build on one that is nearer to a standard dialect")
+            .into());
     }
     if children.contains(&name.text) {
         let way = format!("{} builds on {}", children.join(" builds on "), name.text);
@@ -137,7 +141,8 @@ fn parent(
         _ => {
             let known = others.iter().map(|(name, _)| name.as_str());
             let known = known.filter(|known| !children.iter().any(|child| child == known));
-            Err(unknown_parent(&name.text, known).at(name.span.clone()).into())
+            let known: Vec<&str> = known.collect();
+            Err(unknown_parent(&name.text, &known).at(name.span.clone()).into())
         }
     }
 }
@@ -170,9 +175,10 @@ fn name_fault(name: &str) -> Option<Diagnostic> {
 }
 
 /// The fault that there is no such parent among the standard dialects and `others`.
-fn unknown_parent<'n>(name: &str, others: impl Iterator<Item = &'n str>) -> Diagnostic {
+fn unknown_parent(name: &str, others: &[&str]) -> Diagnostic {
     let family = family();
-    let mut known: Vec<&str> = family.iter().map(|dialect| &*dialect.name).chain(others).collect();
+    let mut known: Vec<&str> = family.iter().map(|dialect| &*dialect.name).collect();
+    known.extend(others);
     known.sort_unstable();
     let fault = Diagnostic::error(format!("there is no dialect {name:?} to build on"));
     fault.help(match did_you_mean(name, known.iter().copied()) {

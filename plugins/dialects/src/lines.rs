@@ -9,6 +9,7 @@ use crate::words::rejected;
 use carvegraph_sdk::{PostError, Program, Units};
 use minijinja::value::Value;
 use minijinja::{Environment, Template};
+use std::convert::Infallible;
 
 /// The longest name that Siemens takes, and longer than anybody reads.
 const NAME_LENGTH: usize = 24;
@@ -66,6 +67,15 @@ pub(crate) struct Line {
 }
 
 impl<T> Lines<T> {
+    /// Looks at each line.
+    pub(crate) fn each<'t>(&'t self, mut look: impl FnMut(Line, &'t T)) {
+        let looked = self.try_map(|line, text| {
+            look(line, text);
+            Ok::<(), Infallible>(())
+        });
+        let Ok(_) = looked;
+    }
+
     /// Makes something of each line.
     pub(crate) fn try_map<'t, U, E>(
         &'t self,
@@ -154,15 +164,19 @@ pub(crate) struct ProgramNumber {
 /// A dialect's lines, compiled for one program.
 pub(crate) struct Sheet<'a> {
     common: Common<'a>,
-    /// `None` for a line that the dialect does not have.
-    lines: Lines<Option<Template<'a, 'a>>>,
+    lines: Lines<Compiled<'a>>,
     /// What every line may name.
     values: Vec<(&'static str, Value)>,
 }
 
+/// A template, or `None` for a line that the dialect does not have.
+type Compiled<'a> = Option<Template<'a, 'a>>;
+
+/// What a template gives: lines, or why not.
+type Rendered = Result<Vec<String>, PostError>;
+
 /// One of a sheet's templates.
-pub(crate) type Pick =
-    for<'s, 'a> fn(&'s Lines<Option<Template<'a, 'a>>>) -> &'s Option<Template<'a, 'a>>;
+pub(crate) type Pick = for<'s, 'a> fn(&'s Lines<Compiled<'a>>) -> &'s Compiled<'a>;
 
 impl<'a> Sheet<'a> {
     /// Compiles `lines` by `engine`.
@@ -202,29 +216,43 @@ impl<'a> Sheet<'a> {
     ///
     /// # Errors
     /// If it cannot be rendered with these values, or gives what must not be written.
-    pub(crate) fn render(
-        &self,
-        pick: Pick,
-        more: &[(&'static str, Value)],
-    ) -> Result<Vec<String>, PostError> {
-        self.rendered(pick, more)?.iter().map(|line| self.line(line)).collect()
+    pub(crate) fn render(&self, pick: Pick, more: &[(&'static str, Value)]) -> Rendered {
+        self.blocks_of(pick(&self.lines), more)
     }
 
     /// The same for remarks, which become comments and may say anything.
-    pub(crate) fn remarks(
-        &self,
-        pick: Pick,
-        more: &[(&'static str, Value)],
-    ) -> Result<Vec<String>, PostError> {
-        Ok(self.rendered(pick, more)?.iter().map(|line| unmarked(line)).collect())
+    pub(crate) fn remarks(&self, pick: Pick, more: &[(&'static str, Value)]) -> Rendered {
+        self.remarks_of(pick(&self.lines), more)
     }
 
-    fn rendered(
+    /// Renders every line with these values.
+    pub(crate) fn each(
         &self,
-        pick: Pick,
         more: &[(&'static str, Value)],
-    ) -> Result<Vec<String>, PostError> {
-        let Some(template) = pick(&self.lines) else { return Ok(Vec::new()) };
+        mut look: impl FnMut(Line, Rendered),
+    ) {
+        self.lines.each(|line, template| {
+            let is_remark = line.is_remark;
+            look(
+                line,
+                match template {
+                    template if is_remark => self.remarks_of(template, more),
+                    template => self.blocks_of(template, more),
+                },
+            );
+        });
+    }
+
+    fn blocks_of(&self, template: &Compiled<'_>, more: &[(&'static str, Value)]) -> Rendered {
+        self.rendered(template, more)?.iter().map(|line| self.line(line)).collect()
+    }
+
+    fn remarks_of(&self, template: &Compiled<'_>, more: &[(&'static str, Value)]) -> Rendered {
+        Ok(self.rendered(template, more)?.iter().map(|line| unmarked(line)).collect())
+    }
+
+    fn rendered(&self, template: &Compiled<'_>, more: &[(&'static str, Value)]) -> Rendered {
+        let Some(template) = template else { return Ok(Vec::new()) };
         let values = self.values.iter().chain(more).map(|(name, value)| (*name, value.clone()));
         let rendered = template::render(template, values);
         rendered.map_err(|error| fault(self.common.dialect, &error.to_string()))

@@ -13,8 +13,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// A dialect whose programs somebody changes.
 struct Changed {
     dialect: Box<dyn Dialect>,
-    change: fn(String) -> String,
+    change: Change,
 }
+
+type Change = fn(String) -> String;
+
+/// A dialect, a mistake, and words of the complaint about it.
+type Mistake = (&'static str, Change, &'static str);
 
 impl Dialect for Changed {
     fn name(&self) -> &str {
@@ -42,7 +47,7 @@ impl Dialect for Changed {
 }
 
 /// What the suite says of a dialect after a change, if anything.
-fn complaint(name: &str, change: fn(String) -> String) -> Option<String> {
+fn complaint(name: &str, change: Change) -> Option<String> {
     let dialect = standard().into_iter().find(|d| d.name() == name).unwrap();
     let changed = Changed { dialect, change };
     let checked = catch_unwind(AssertUnwindSafe(|| check(&changed, &jobs::reading(name))));
@@ -51,7 +56,7 @@ fn complaint(name: &str, change: fn(String) -> String) -> Option<String> {
 
 #[test]
 fn the_suite_finds_what_is_wrong() {
-    let faults: [(&str, fn(String) -> String, &str); 16] = [
+    let faults: [Mistake; 16] = [
         ("grbl", |t| t.replace("G2 ", "G3 "), "meant Arc"),
         ("grbl", |t| t.replace("G21", "G20"), "meant Rapid"),
         ("grbl", |t| t.replace("F900.0", "F90.0"), "meant Feed"),

@@ -209,6 +209,10 @@ fn parents_that_are_none_are_refused() {
     assert!(near.contains("did you mean \"router\"?"), "{near}");
     let two = refusal("a", &[("a", "b"), ("b", "grbl"), ("b", "fanuc")]);
     assert!(two.contains("there are two dialects \"b\": b.ron and b.ron"), "{two}");
+    let chain: Vec<DialectFile> =
+        (0..40).map(|k| file(&format!("d{k}"), &child(&format!("d{}", k + 1), ""))).collect();
+    let long = from_file(&chain[0], &chain).err().unwrap().to_string();
+    assert!(long.contains("more than 16 dialects build on each other"), "{long}");
     let inner = refusal("a", &[("a", "b"), ("b", "gril")]);
     assert!(inner.contains("--> b.ron:3:13"), "{inner}");
 }
@@ -312,6 +316,19 @@ fn no_title_becomes_a_block_by_a_template() {
 }
 
 #[test]
+fn the_first_rapid_goes_across_only_where_z_was_sent_to_the_top() {
+    let some = "retract: \"{% if unit == 'inches' %}G53 G0 Z0.0{% endif %}\",";
+    let made = made("linuxcnc", some);
+    let rapids = |units| {
+        let text = Job { units, ..Job::at(1.0, 2.0) }.post(&*made).unwrap();
+        let lines = text.lines().filter(|line| line.contains(['X', 'Z']));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(rapids(Units::Mm), ["G0 Z5.0", "X1.0 Y2.0"]);
+    assert_eq!(rapids(Units::Inch), ["G53 G0 Z0.0", "G0 X0.0394 Y0.0787", "Z0.1969"]);
+}
+
+#[test]
 fn what_no_sample_reaches_is_refused_when_it_is_written() {
     let branch = "tools: 99, tool_change: \"T{{ tool }}{% if tool == 7 %} M64{% endif %}\",";
     let made = made("grbl", &format!("{branch} rejects: [\"M64\"],"));
@@ -367,6 +384,5 @@ fn no_file_brings_carve_down() {
             let _ = small(&*made).post(&*made);
         }
     }
-    println!("{good} of 3000 are dialects still");
     assert!(good > 0);
 }

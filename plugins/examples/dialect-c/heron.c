@@ -102,7 +102,7 @@ static void comment(job *j, cg_text text)
     for (size_t k = 0; k < size; k++) {
         char c = text.data[k];
         int kept = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')
-                   || c == '.' || c == ',' || c == '-';
+                   || c == '.' || c == ',' || c == ':' || c == '-';
         line[k] = kept ? c : ' ';
     }
     if (size == 0)

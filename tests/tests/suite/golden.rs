@@ -92,7 +92,7 @@ fn five_slips_at_once() {
         with_diameter(&text, "-6.0")
             .replace("\"gaussian_blur\"", "\"gausian_blur\"")
             .replace("\"pattern\": \"passes\"", "\"pattern\": \"pases\"")
-            .replace("\"1500mm/min\"", "\"1500rpm\"")
+            .replace("\"203mm\", \"z_min\"", "\"203rpm\", \"z_min\"")
             .replace("\"format\": \"binary\"", "\"formt\": \"binary\"")
     });
 }

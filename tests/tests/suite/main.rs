@@ -24,3 +24,4 @@ mod relief;
 mod sample;
 mod surfaces;
 mod threads;
+mod tutorial;

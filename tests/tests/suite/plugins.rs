@@ -1,6 +1,7 @@
 //! Plugins are found, listed, installed and used; a bad one does no harm to anybody else.
 
 use crate::bench::{Answer, Bench, QUICK, workspace};
+use carvegraph_sdk::conformance::built_library;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,12 +21,6 @@ fn in_c(bench: &Bench, wrong: &str) -> PathBuf {
         .expect("cc is what Rust links with");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     library
-}
-
-/// A library that cargo made beside this test.
-fn in_rust(name: &str) -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    test.with_file_name(format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"))
 }
 
 /// Puts a library into a plugin folder as somebody would who does not use `carve plugins install`.
@@ -168,7 +163,7 @@ fn panics_of_a_plugin_are_messages() {
     let bench = Bench::new();
     let offers =
         "cutters: [\"panicking\"], dialects: [\"deaf\", \"panicking\"], nodes: [\"panicking\"]";
-    lay_down(&bench, &in_rust("carvegraph_misbehaving_plugin"), offers);
+    lay_down(&bench, &built_library("carvegraph_misbehaving_plugin"), offers);
     let fails = |settings: &[&str], why: &str| {
         let answer = relief(&bench, settings);
         assert_eq!(answer.status, 1, "{}", answer.err);
@@ -193,7 +188,7 @@ fn a_plugin_that_panics_at_once_is_left_out() {
     let bench = Bench::new();
     let offers =
         "cutters: [\"panicking\"], dialects: [\"deaf\", \"panicking\"], nodes: [\"panicking\"]";
-    lay_down(&bench, &in_rust("carvegraph_misbehaving_plugin"), offers);
+    lay_down(&bench, &built_library("carvegraph_misbehaving_plugin"), offers);
     let arguments = ["run", "relief", "--plugins", "plugins", "--only", "preview"];
     let mut command = bench.command(&[&arguments, &QUICK[..]].concat());
     let output = command.env("CARVE_TEST_PANIC", "describe").output().unwrap();
@@ -209,7 +204,7 @@ fn the_standard_plugins_load_as_libraries_too() {
     for (name, offers) in
         [("carvegraph_cutters_plugin", "cutter ball"), ("carvegraph_dialects_plugin", "dialect fanuc")]
     {
-        let library = in_rust(name);
+        let library = built_library(name);
         let installed = bench.carve(&["plugins", "install", path(&library), "--plugins", "plugins"]);
         assert_eq!((installed.status, installed.err.as_str()), (0, ""));
         assert!(installed.out.contains(offers), "{}", installed.out);

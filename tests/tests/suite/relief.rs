@@ -75,7 +75,7 @@ fn the_report_keeps_its_contract() {
         ])
     );
     assert_eq!(report.nodes_that("skipped"), ["save_points"]);
-    assert_eq!(report.nodes_that("ran").len(), 17);
+    assert_eq!(report.nodes_that("ran").len(), 18);
 
     let mut seen = Vec::new();
     for (id, node) in report.0["nodes"].as_object().unwrap() {

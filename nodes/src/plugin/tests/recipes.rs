@@ -97,7 +97,10 @@ impl Observer for Caller {
 #[test]
 fn every_type_of_the_registry_crosses() {
     let registry = shop(vec![]);
-    let known: Vec<_> = registry.types().iter().map(|known| known.name).collect();
+    // What is chosen by name is the program's own business.
+    let stays = ["setup", "tool_sheet"];
+    let known = registry.types().iter().map(|known| known.name);
+    let known: Vec<_> = known.filter(|name| !stays.contains(name)).collect();
     let crossing: Vec<_> = CROSSINGS.iter().map(|crossing| crossing.type_name).collect();
     assert_eq!((&crossing, seen::TYPES), (&known, known.as_slice()));
 }

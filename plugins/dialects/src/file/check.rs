@@ -2,7 +2,7 @@
 //! itself is rejected, too long or not harmless.
 
 use super::read::Places;
-use crate::lines::{Line, Lines, Sheet, TITLE_LENGTH};
+use crate::lines::{Line, Sheet, TITLE_LENGTH};
 use crate::rs274::Rs274;
 use crate::template::{self, Fault};
 use carvegraph_core::source::Span;
@@ -70,11 +70,11 @@ fn contradictions(settings: &Rs274, places: &Places, faults: &mut Diagnostics) {
 
 /// Templates that this file states and that are none; its parent's are good.
 fn templates(settings: &Rs274, places: &Places, faults: &mut Diagnostics) {
-    each(&settings.lines, |line, source| {
+    settings.lines.each(|line, source| {
         let Some(span) = places.said.get(line.name) else { return };
         for Fault { range, message, help } in template::faults(source, &line.known()) {
             // A text without escapes stands in the file as it is.
-            let place = match span.text().find(source) {
+            let place = match span.text().find(&**source) {
                 Some(begin) => {
                     let begin = span.start + begin;
                     span.source.span(begin + range.start..begin + range.end)
@@ -85,14 +85,6 @@ fn templates(settings: &Rs274, places: &Places, faults: &mut Diagnostics) {
             faults.push(Diagnostic { help: help.map(Into::into), ..fault });
         }
     });
-}
-
-fn each<'l>(lines: &'l Lines<crate::Text>, mut look: impl FnMut(Line, &'l str)) {
-    let looked = lines.try_map(|line, source| {
-        look(line, source);
-        Ok::<(), std::convert::Infallible>(())
-    });
-    let Ok(_) = looked;
 }
 
 /// Renders all lines with long values, in both units.
@@ -139,25 +131,17 @@ fn sampled(
         ("tolerance", Value::from(SAMPLE_TOLERANCE)),
     ];
     let mut head = Vec::new();
-    let looked = sheet.lines.try_map(|line, template| {
-        let rendered = match template {
-            // It is never written.
-            _ if settings.tool_limit.is_none() && line.values == ["tool"] => return Ok(()),
-            template if line.is_remark => sheet.remarks(template.as_ref(), &values),
-            template => sheet.render(template.as_ref(), &values),
-        };
-        match rendered {
-            Ok(lines) => {
-                too_long(settings, line, &lines, places, faults);
-                if ["opening", "notes", "header"].contains(&line.name) {
-                    head.extend(lines);
-                }
+    sheet.each(&values, |line, rendered| match rendered {
+        // It is never written.
+        _ if settings.tool_limit.is_none() && line.values == ["tool"] => {}
+        Ok(lines) => {
+            too_long(settings, line, &lines, places, faults);
+            if ["opening", "notes", "header"].contains(&line.name) {
+                head.extend(lines);
             }
-            Err(error) => faults.push(blame(&line, &error, places)),
         }
-        Ok::<(), std::convert::Infallible>(())
+        Err(error) => faults.push(blame(&line, &error, places)),
     });
-    let Ok(_) = looked;
     head
 }
 

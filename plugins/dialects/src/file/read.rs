@@ -1,6 +1,7 @@
 //! Reads what a file says over its parent's settings.
 
-use super::fields::{FIELDS, Field, Kind, Maybe, printable};
+use super::fields::{FIELDS, Field, Kind, Maybe};
+use super::rules::printable;
 use super::{DialectFile, FORMAT, name_fault};
 use crate::Text;
 use crate::rs274::Rs274;

@@ -15,7 +15,8 @@ pub fn starter(name: &str, parent: &str) -> Result<String, Diagnostic> {
     if let Some(fault) = name_fault(name) {
         return Err(fault);
     }
-    let mut settings = standard_parent(parent).unwrap_or_else(|| Err(unknown_parent(parent, std::iter::empty())))?;
+    let mut settings =
+        standard_parent(parent).unwrap_or_else(|| Err(unknown_parent(parent, &[])))?;
     let mut text = format!(
         "// A dialect that builds on {parent}: what is not said here is as there.\n\
          //\n\
@@ -78,14 +79,12 @@ fn group(
 /// What a template may name besides what all may.
 fn values(path: &str, settings: &Rs274) -> Option<String> {
     let mut known = None;
-    let looked = settings.lines.try_map(|line, _| {
+    settings.lines.each(|line, _| {
         if line.name == path && !line.values.is_empty() {
             let names: Vec<String> = line.values.iter().map(|v| format!("{{{{ {v} }}}}")).collect();
             known = Some(format!("It also knows {}.", names.join(" and ")));
         }
-        Ok::<(), std::convert::Infallible>(())
     });
-    let Ok(_) = looked;
     known
 }
 

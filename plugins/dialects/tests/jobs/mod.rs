@@ -4,19 +4,27 @@
 pub(crate) mod heidenhain;
 pub(crate) mod shopbot;
 
-use carvegraph_dialects::standard;
+use carvegraph_dialects::{Standard, standard};
+use carvegraph_host::{linked, load};
 use carvegraph_sdk::Dialect;
+use carvegraph_sdk::conformance::built_library;
 use carvegraph_sdk::conformance::dialect::{Arcs, Job, Reading};
+use carvegraph_sdk::export::{Entry, entry};
 
-/// All the dialects, by each way that they come into the program.
+/// All the dialects, by each way that they come into a program.
 pub(crate) fn dialects() -> Vec<(&'static str, Vec<Box<dyn Dialect>>)> {
-    vec![("linked", standard())]
+    static ENTRY: Entry = entry::<Standard>();
+    vec![
+        ("direct", standard()),
+        ("linked", linked(&ENTRY).unwrap().dialects),
+        ("library", load(&built_library("carvegraph_dialects_plugin")).unwrap().dialects),
+    ]
 }
 
 /// Does something with each dialect, by each way.
 pub(crate) fn each(mut f: impl FnMut(&dyn Dialect)) {
     for (way, dialects) in dialects() {
-        println!("dialects {way}");
+        eprintln!("dialects {way}");
         dialects.iter().for_each(|dialect| f(&**dialect));
     }
 }

@@ -252,7 +252,7 @@ impl<'a> Sheet<'a> {
     /// A text is anybody's: what is left of it can neither end its line nor be taken for an order.
     fn comment(&mut self, text: &str) -> Result<(), PostError> {
         let harmless =
-            |c: char| if c.is_ascii_alphanumeric() || ".,-".contains(c) { c } else { ' ' };
+            |c: char| if c.is_ascii_alphanumeric() || ".,:-".contains(c) { c } else { ' ' };
         let text: String = text.chars().map(harmless).take(COMMENT_LENGTH - "; - ".len()).collect();
         if text.trim().is_empty() {
             return Ok(());

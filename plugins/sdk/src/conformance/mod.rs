@@ -5,3 +5,17 @@
 
 pub mod cutter;
 pub mod dialect;
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::path::PathBuf;
+
+/// Where cargo puts the library (`crate-type = ["cdylib", "rlib"]`) of a test's dev-dependency: beside
+/// the test. `name` is the crate's, with `_` for `-`.
+///
+/// # Panics
+/// If the system does not say where the test is.
+#[must_use]
+pub fn built_library(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a running program has a file");
+    test.with_file_name(format!("{DLL_PREFIX}{name}{DLL_SUFFIX}"))
+}
