@@ -94,7 +94,9 @@ impl Brought {
             Ok(()) => self.good.push(format!("{id}: {}", candidate.folder.display())),
             Err(why) => {
                 for (sort, names) in candidate.manifest.offered.sorts() {
-                    names.iter().for_each(|name| self.miss(sort, name, &format!("plugin {id:?}"), &why));
+                    names
+                        .iter()
+                        .for_each(|name| self.miss(sort, name, &format!("plugin {id:?}"), &why));
                 }
                 self.faults.push(Fault { path: candidate.folder.clone(), why });
             }
@@ -115,8 +117,11 @@ impl Brought {
     }
 
     fn files(&mut self, files: &[Arc<Source>]) {
-        let dialects: Vec<DialectFile> =
-            files.iter().filter(|file| Sort::of(file) == Some(Sort::Dialect)).map(dialect_file).collect();
+        let dialects: Vec<DialectFile> = files
+            .iter()
+            .filter(|file| Sort::of(file) == Some(Sort::Dialect))
+            .map(dialect_file)
+            .collect();
         for file in files {
             let (batch, texts) = match Sort::of(file) {
                 // It may build on any other.
@@ -137,7 +142,7 @@ impl Brought {
         for text in texts {
             hasher.update(text.text().as_bytes());
         }
-        let origin = format!("file {} {}", file.name(), hasher.finalize().to_hex());
+        let origin = format!("file {} {}", file.name(), &hasher.finalize().to_hex()[..16]);
         let added = batch
             .and_then(|batch| self.offers.add(batch, &origin).map_err(|fault| fault.to_string()));
         match added {

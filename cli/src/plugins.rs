@@ -3,6 +3,7 @@
 use crate::list::table;
 use crate::offers::{Brought, Sort};
 use crate::{Refusal, complain};
+use carvegraph_core::ron::read_file;
 use carvegraph_host::{
     Discovered, MANIFEST, Manifest, Probed, discover, examine, probe, user_folder,
 };
@@ -11,6 +12,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Arc;
 
 /// The folders that are looked into: the user's, then those of the command line.
 pub(crate) fn folders(given: &[PathBuf]) -> Result<Vec<PathBuf>, Refusal> {
@@ -38,7 +40,8 @@ pub(crate) fn new_dialect(name: &str, from: &str, folder: &Path) -> Result<Strin
     let text = carvegraph_dialects::starter(name, from)
         .map_err(|fault| Refusal(fault.render().trim_end().to_owned()))?;
     let path = folder.join(format!("{name}.ron"));
-    let fail = |fault: io::Error| Refusal(format!("error: cannot write {}: {fault}", path.display()));
+    let fail =
+        |fault: io::Error| Refusal(format!("error: cannot write {}: {fault}", path.display()));
     fs::create_dir_all(folder).map_err(fail)?;
     // Never over what somebody has worked on.
     let mut file = File::create_new(&path).map_err(fail)?;
@@ -119,24 +122,22 @@ pub(crate) fn examine_here(library: &Path) -> Result<String, Refusal> {
 
 /// This program again, about to try a library.
 pub(crate) fn child(library: &Path) -> Result<Command, String> {
-    let program = std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
+    let program =
+        std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
     let mut child = Command::new(program);
     child.args(["plugins", "probe"]).arg(library);
     Ok(child)
 }
 
 /// Puts a library or a `.ron` file into a plugin folder; answers what was done.
-pub(crate) fn install(
-    from: &Path,
-    id: Option<&str>,
-    folder: &Path,
-) -> Result<String, Refusal> {
-    let refuse = |why: String| Refusal(format!("error: {} cannot be installed: {why}", from.display()));
+pub(crate) fn install(from: &Path, id: Option<&str>, folder: &Path) -> Result<String, Refusal> {
+    let refuse =
+        |why: String| Refusal(format!("error: {} cannot be installed: {why}", from.display()));
     if !from.is_file() {
         return Err(refuse("there is no such file".into()));
     }
     if from.extension().is_some_and(|extension| extension == "ron") {
-        return copy(from, &folder.join(from.file_name().unwrap_or_default())).map_err(refuse);
+        return install_file(from, folder).map_err(refuse);
     }
     let library = fs::canonicalize(from).map_err(|fault| refuse(fault.to_string()))?;
     let probed = child(&library).and_then(probe).map_err(refuse)?;
@@ -144,8 +145,30 @@ pub(crate) fn install(
     let folder = folder.join(&manifest.id);
     copy(from, &folder.join(manifest.file_name())).map_err(refuse)?;
     let path = folder.join(MANIFEST);
-    fs::write(&path, manifest.text()).map_err(|fault| refuse(format!("{}: {fault}", path.display())))?;
-    Ok(format!("{} {}: {}\n{}\n", manifest.id, manifest.version, offered(&manifest), folder.display()))
+    fs::write(&path, manifest.text())
+        .map_err(|fault| refuse(format!("{}: {fault}", path.display())))?;
+    Ok(format!(
+        "{} {}: {}\n{}\n",
+        manifest.id,
+        manifest.version,
+        offered(&manifest),
+        folder.display()
+    ))
+}
+
+/// Puts a `.ron` file into a plugin folder, if it is sound beside what lies there.
+fn install_file(from: &Path, folder: &Path) -> Result<String, String> {
+    let file = read_file(from, "such a file").map_err(|fault| fault.to_string())?;
+    let sort = Sort::of(&file).map_or("file", Sort::word);
+    let mut found = discover([folder]);
+    let name = from.file_name().unwrap_or_default();
+    found.files.retain(|other| Path::new(other.name()).file_name() != Some(name));
+    found.files.push(Arc::clone(&file));
+    let brought = Brought::load(found);
+    if let Some(fault) = brought.faults.iter().find(|fault| fault.path == Path::new(file.name())) {
+        return Err(fault.why.clone());
+    }
+    Ok(format!("{sort} {}", copy(from, &folder.join(name))?))
 }
 
 /// Copies under another name first: a library that is in use must not change under whoever uses it.

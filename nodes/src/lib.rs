@@ -23,7 +23,7 @@ pub use offers::{Batch, OfferError, Offers};
 pub use plugin::{PluginNodeError, kind_of};
 pub use registry::{Cutters, Dialects, registry};
 pub use shop::{
-    Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet, Tools,
-    Travel,
+    Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet,
+    Tools, Travel,
 };
 pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};

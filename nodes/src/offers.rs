@@ -6,6 +6,7 @@ use crate::registry::kinds;
 use carvegraph_core::{Missing, NodeKind};
 use carvegraph_sdk::node::Node;
 use carvegraph_sdk::{CutterShape, Dialect};
+use std::collections::BTreeMap;
 
 /// A thing, and the version of what it stands for: another one makes cached values stale.
 pub(crate) struct Versioned<T> {
@@ -37,12 +38,14 @@ pub struct Offers {
 #[derive(Debug, thiserror::Error)]
 pub enum OfferError {
     /// Its name is taken.
-    #[error("it offers the {sort} {name:?}, and there is one of that name already")]
+    #[error("it offers the {sort} {name:?}, which {owner} has already")]
     Taken {
         /// cutter, dialect, node ...
         sort: &'static str,
         /// The name.
         name: String,
+        /// Whose it is.
+        owner: String,
     },
     /// A node is defined wrongly.
     #[error(transparent)]
@@ -58,16 +61,14 @@ impl Offers {
     pub fn add(&mut self, batch: Batch, origin: &str) -> Result<(), OfferError> {
         let kind = |node| kind_of(node, origin.to_owned());
         let nodes = batch.nodes.into_iter().map(kind).collect::<Result<Vec<_>, _>>()?;
-        check("cutter", batch.cutters.iter().map(|c| c.name()), |name| {
-            self.cutters.iter().any(|known| known.thing.name() == name)
-        })?;
-        check("dialect", batch.dialects.iter().map(|d| d.name()), |name| {
-            self.dialects.iter().any(|known| known.thing.name() == name)
-        })?;
+        let known = self.cutters.iter().map(|known| (known.thing.name(), &*known.version));
+        check("cutter", origin, known, batch.cutters.iter().map(|cutter| cutter.name()))?;
+        let known = self.dialects.iter().map(|known| (known.thing.name(), &*known.version));
+        check("dialect", origin, known, batch.dialects.iter().map(|dialect| dialect.name()))?;
         let standard = kinds();
-        check("node", nodes.iter().map(|kind| kind.name), |name| {
-            standard.iter().chain(&self.nodes).any(|known| known.name == name)
-        })?;
+        let known = standard.iter().chain(&self.nodes);
+        let known = known.map(|kind| (kind.name, kind.origin.as_deref().unwrap_or("carve")));
+        check("node", origin, known, nodes.iter().map(|kind| kind.name))?;
         self.cutters.extend(versioned(batch.cutters, origin));
         self.dialects.extend(versioned(batch.dialects, origin));
         self.nodes.extend(nodes);
@@ -84,18 +85,19 @@ fn versioned<T>(things: Vec<T>, version: &str) -> impl Iterator<Item = Versioned
     things.into_iter().map(|thing| Versioned { thing, version: version.to_owned() })
 }
 
-/// Refuses a name that is taken, or that the batch itself has twice.
+/// Refuses a name that is known, each with whose it is, or that `origin` itself has twice.
 fn check<'n>(
     sort: &'static str,
+    origin: &'n str,
+    known: impl Iterator<Item = (&'n str, &'n str)>,
     names: impl Iterator<Item = &'n str>,
-    taken: impl Fn(&str) -> bool,
 ) -> Result<(), OfferError> {
-    let mut seen: Vec<&str> = Vec::new();
+    let mut owners: BTreeMap<&str, &str> = known.collect();
     for name in names {
-        if taken(name) || seen.contains(&name) {
-            return Err(OfferError::Taken { sort, name: name.to_owned() });
+        if let Some(owner) = owners.insert(name, origin) {
+            let (name, owner) = (name.to_owned(), owner.to_owned());
+            return Err(OfferError::Taken { sort, name, owner });
         }
-        seen.push(name);
     }
     Ok(())
 }

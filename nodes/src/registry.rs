@@ -55,9 +55,11 @@ pub fn registry(offers: Offers) -> Result<Registry, RegistryError> {
     let dialects = Dialects(dialects.into_iter().map(|offer| offer.thing).collect());
     let catalogs = catalogs.with("dialect", entries, dialects);
     let (machines, tools) = (Machines::built_in(), Tools::built_in());
-    let entries: Vec<_> = machines.0.iter().map(machine_entry).chain([nothing()]).collect();
+    let entries = machines.0.iter().map(|machine| machine_entry(machine, &catalogs));
+    let entries: Vec<_> = entries.chain([nothing()]).collect();
     let catalogs = catalogs.with("machine", entries, machines);
-    let entries: Vec<_> = tools.0.iter().map(tool_entry).chain([nothing()]).collect();
+    let entries = tools.0.iter().map(|tool| tool_entry(tool, &catalogs));
+    let entries: Vec<_> = entries.chain([nothing()]).collect();
     let catalogs = catalogs.with("tool", entries, tools);
     let registry = Registry::new(merged(kinds(), nodes), types(), catalogs)?;
     Ok(missing.into_iter().fold(registry, |registry, (sort, missing)| match sort {
@@ -71,12 +73,21 @@ fn nothing() -> CatalogEntry {
     CatalogEntry::new(NONE, "")
 }
 
-fn machine_entry(machine: &Machine) -> CatalogEntry {
-    CatalogEntry::new(machine.name.as_str(), machine.version.as_str())
+/// A machine. It may decide the dialect, so that its version is that of both.
+fn machine_entry(machine: &Machine, catalogs: &Catalogs) -> CatalogEntry {
+    let dialect = machine.dialect.as_deref().and_then(|name| catalogs.entry("dialect", name));
+    CatalogEntry::new(machine.name.as_str(), both(&machine.version, dialect))
 }
 
-fn tool_entry(tool: &Tool) -> CatalogEntry {
-    CatalogEntry::new(tool.name.as_str(), tool.version.as_str())
+/// A tool. It may decide the shape, so that its version is that of both.
+fn tool_entry(tool: &Tool, catalogs: &Catalogs) -> CatalogEntry {
+    let shape = catalogs.entry("cutter", &tool.shape.text);
+    CatalogEntry::new(tool.name.as_str(), both(&tool.version, shape))
+}
+
+fn both(version: &str, decided: Option<&CatalogEntry>) -> String {
+    let decided = decided.map(|entry| entry.version.as_str());
+    [Some(version), decided].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// Adds `extra` to a list that is in order. Each goes to its place; the list is not sorted anew, or
@@ -119,7 +130,7 @@ fn drawing_param(about: &str) -> ParamSpec {
 
 /// A line with the full stop that parameters are described with.
 fn sentence(line: &str) -> String {
-    format!("{}.", line.trim_end_matches('.'))
+    if line.ends_with('.') { line.to_owned() } else { format!("{line}.") }
 }
 
 /// Every node, sorted by name.

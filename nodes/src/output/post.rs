@@ -183,7 +183,9 @@ impl Post {
         };
         if rpm != default && setup.conditions.spindle_rpm.is_none() {
             let name = &machine.name;
-            cx.note(format!("the spindle turns at {rpm} rpm: {default} is not what {name:?} can do"));
+            cx.note(format!(
+                "the spindle turns at {rpm} rpm: {default} is not what {name:?} can do"
+            ));
         }
         let change = (number > 0).then_some(Command::ToolChange { number });
         let spindle = Command::Spindle { rpm, direction: Direction::Clockwise };
@@ -403,7 +405,10 @@ mod tests {
         let fault = run(|cx| check(&setup.machine, &post().start(&setup, cx), cx)).unwrap_err();
         let NodeError::Refused { param, message } = fault else { panic!("{fault}") };
         assert_eq!(param, "spindle");
-        assert!(message.starts_with("machine \"slow\": the spindle is to turn at 7000 rpm"), "{message}");
+        assert!(
+            message.starts_with("machine \"slow\": the spindle is to turn at 7000 rpm"),
+            "{message}"
+        );
         assert_eq!(
             setup_remarks(&setup, &run(|cx| set.start(&setup, cx))),
             ["Machine: slow", "Set the spindle to 9000 rpm by hand"]

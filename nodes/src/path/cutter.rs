@@ -23,15 +23,15 @@ const MAX_DRAWING_BYTES: usize = 4 << 20;
 /// the libraries, which have both.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct CutterNode {
-    /// A tool of a library, which gives shape and dimensions where they are not set.
-    #[param(catalog = "tool", default = "none")]
-    pub(crate) tool: String,
     /// The cutter's shape.
     #[param(catalog = "cutter", default = "ball")]
     pub(crate) shape: Yielding<String>,
     /// The dimensions of that shape.
     #[param(entry_of = "shape")]
     pub(crate) dimensions: EntryParams,
+    /// A tool of a library, which gives shape and dimensions where they are not set.
+    #[param(catalog = "tool", default = "none")]
+    pub(crate) tool: String,
 }
 
 #[derive(Outputs)]
@@ -53,9 +53,9 @@ impl Node for CutterNode {
         let tool = self.tool(cx)?;
         let name = self.shape.or(tool.map(|tool| tool.shape.text.clone()));
         let brought = self.brought(tool, &name, cutters, cx)?;
-        let shape = cutters.find(&name).ok_or_else(|| {
-            NodeError::failed(format!("there is no cutter shape {name:?}"))
-        })?;
+        let shape = cutters
+            .find(&name)
+            .ok_or_else(|| NodeError::failed(format!("there is no cutter shape {name:?}")))?;
         let given = self.given(shape, &brought)?;
         let drawing = self.dimensions.file(DRAWING);
         let drawing = drawing.map(|file| drawing_text(file, cx)).transpose()?;
@@ -103,7 +103,8 @@ impl CutterNode {
         let mut given: Vec<(&'static str, f64)> = set.collect();
         let has = |name: &str| shape.dimensions().iter().any(|spec| spec.name == name);
         if let Some((name, _)) = given.iter().find(|(name, _)| !has(name)) {
-            let message = format!("tool {:?} is a {}, which has no {name}", self.tool, shape.name());
+            let message =
+                format!("tool {:?} is a {}, which has no {name}", self.tool, shape.name());
             return Err(NodeError::refused(name, message));
         }
         for (name, value) in brought {
@@ -251,7 +252,8 @@ mod tests {
         let left = || Yielding::left("ball".to_owned());
         let library = r#"Tools(format: 1, tools: {"a": (shape: "bal"),
 "b": (shape: "ball", dimensions: {"diameter": 900})})"#;
-        let fault = |tool: &str| with_tool(tool, library, left(), EntryParams::default()).unwrap_err();
+        let fault =
+            |tool: &str| with_tool(tool, library, left(), EntryParams::default()).unwrap_err();
         assert_eq!(
             fault("a"),
             "shed/mine.ron:1:39: tool \"a\": there is no cutter shape \"bal\"; did you mean \"ball\"?"

@@ -38,9 +38,9 @@ impl Node for SetupNode {
 
     fn run(&self, inputs: Held<'_>, cx: &Context<'_>) -> Result<Ready, NodeError> {
         let machines: &Machines = cx.service()?;
-        let machine = machines.find(&self.machine).ok_or_else(|| {
-            NodeError::failed(format!("there is no machine {:?}", self.machine))
-        })?;
+        let machine = machines
+            .find(&self.machine)
+            .ok_or_else(|| NodeError::failed(format!("there is no machine {:?}", self.machine)))?;
         let tool = inputs.tool.cloned().unwrap_or_default();
         let conditions = self.conditions(&tool)?;
         if self.material == NONE && !tool.materials.is_empty() {

@@ -278,8 +278,10 @@ mod tests {
         );
         assert_eq!(
             violations(&machine, &job(10_000.0, None)),
-            ["the spindle is to turn at 10000 rpm and turns at least 12000 rpm: 2000 rpm too slow \
-              (set spindle to 12000 and, for the same chips, feed to 1800)"]
+            [
+                "the spindle is to turn at 10000 rpm and turns at least 12000 rpm: 2000 rpm too slow \
+              (set spindle to 12000 and, for the same chips, feed to 1800)"
+            ]
         );
     }
 
@@ -292,8 +294,10 @@ mod tests {
         }
         assert_eq!(
             violations(&changes(Some(ToolChange::None)), &job),
-            ["the program changes to tool 3 and the machine changes none (set the tool number of post \
-              to 0 and put the tool in by hand)"]
+            [
+                "the program changes to tool 3 and the machine changes none (set the tool number of post \
+              to 0 and put the tool in by hand)"
+            ]
         );
     }
 

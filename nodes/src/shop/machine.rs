@@ -333,9 +333,8 @@ fn travel(item: Item<'_>) -> Option<Travel> {
         return item.number(Dimension::Length, TRAVELS_MM).map(Travel::Length);
     }
     let mut fields = item.clone().fields(None)?;
-    let mut place = |name| {
-        fields.required(name).and_then(|item| item.number(Dimension::Length, PLACES_MM))
-    };
+    let mut place =
+        |name| fields.required(name).and_then(|item| item.number(Dimension::Length, PLACES_MM));
     let (min, max) = (place("min"), place("max"));
     fields.no_more();
     let (min, max) = (min?, max?);
@@ -457,10 +456,8 @@ spindle: (min: 9000, max: 800, rpm: 5), tool_change: "yes", max_feed: 800)"#
     fn a_newer_format_is_told_and_nothing_else() {
         assert_eq!(
             faults("Machine(format: 2, axes: 5)"),
-            [
-                "shed/mill.ron:1:17 this file has format 2; this program reads formats up to 1; \
-                 update carve to use it"
-            ]
+            ["shed/mill.ron:1:17 this file has format 2; this program reads formats up to 1; \
+                 update carve to use it"]
         );
         let none = "shed/mill.ron:1:17 there is no format 0; the first one is 1".to_owned();
         assert!(faults("Machine(format: 0)").contains(&none));
@@ -469,7 +466,10 @@ spindle: (min: 9000, max: 800, rpm: 5), tool_change: "yes", max_feed: 800)"#
     #[test]
     fn none_is_the_name_of_no_machine() {
         let none = LEAST.replace("format: 1", "format: 1, name: \"none\"");
-        assert!(faults(&none)[0].contains("\"none\" is no name for a machine: it stands for having none"));
+        assert!(
+            faults(&none)[0]
+                .contains("\"none\" is no name for a machine: it stands for having none")
+        );
         let source = Arc::new(Source::new("none.ron", LEAST));
         let fault = Machine::read(&source).unwrap_err().to_string();
         assert!(fault.contains("the file's name, \"none\", is no name for a machine"), "{fault}");

@@ -255,13 +255,7 @@ fn tools(form: &Form, item: Item<'_>, source: &Source, library: &str) -> Option<
     Some(entries?.into_iter().filter_map(read).collect())
 }
 
-fn tool(
-    form: &Form,
-    name: Name,
-    item: Item<'_>,
-    source: &Source,
-    library: &str,
-) -> Option<Tool> {
+fn tool(form: &Form, name: Name, item: Item<'_>, source: &Source, library: &str) -> Option<Tool> {
     file::check_name(form, &name, "a tool");
     let mut fields = item.called(format!("tool {:?}", name.text)).fields(None)?;
     let about = file::text(fields.optional("about"));

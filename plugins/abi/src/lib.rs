@@ -238,7 +238,8 @@ pub struct SegmentSink {
     /// Handed back to `put`.
     pub data: *mut c_void,
     /// Takes some segments; anything but [`status::OK`] means: no more.
-    pub put: unsafe extern "C" fn(data: *mut c_void, segments: *const Segment, count: usize) -> Status,
+    pub put:
+        unsafe extern "C" fn(data: *mut c_void, segments: *const Segment, count: usize) -> Status,
 }
 
 /// The table of [`capability::CUTTER`].

@@ -57,7 +57,8 @@ impl LibraryCutter {
             let drawing = borrow::text("cutter's drawing", info.drawing)?;
             let count = info.dimension_count as usize;
             let dimensions = borrow::short_list("dimensions", info.dimensions, count)?;
-            let dimensions = dimensions.iter().map(|from| dimension(from)).collect::<Result<_, _>>()?;
+            let dimensions =
+                dimensions.iter().map(|from| dimension(from)).collect::<Result<_, _>>()?;
             let drawing = (!drawing.is_empty()).then_some(drawing);
             Ok(Self { table, index, name, about, drawing, dimensions })
         }

@@ -108,8 +108,9 @@ impl Dialect for LibraryDialect {
         match too_long {
             Some(TooLong(room)) => {
                 let commands = program.commands.len();
-                let message =
-                    format!("it wrote more than {room} bytes for {commands} commands and was stopped");
+                let message = format!(
+                    "it wrote more than {room} bytes for {commands} commands and was stopped"
+                );
                 Err(PostError::Plugin(message))
             }
             None if answer != status::OK => Err(PostError::Plugin(reason(answer, said))),

@@ -73,15 +73,17 @@ impl Candidate {
         Ok(())
     }
 
-    /// Its version and what its library contains, for caches: a library that was built anew is
-    /// another one.
+    /// Its version and the first digits of its library's hash, for caches: a library that was built
+    /// anew is another one.
     ///
     /// # Errors
     /// If it cannot be read.
     pub fn fingerprint(&self) -> io::Result<String> {
         let mut hasher = blake3::Hasher::new();
         hasher.update_reader(File::open(&self.library)?)?;
-        Ok(format!("{} {}", self.manifest.version, hasher.finalize().to_hex()))
+        let hash = hasher.finalize().to_hex();
+        // 64 bits tell apart whatever one user builds.
+        Ok(format!("{} {}", self.manifest.version, &hash[..16]))
     }
 }
 
@@ -281,8 +283,11 @@ unsafe fn described<T: ?Sized, F>(
         return Err(LoadError::TooMany { what, count });
     }
     let one = |index| {
-        describe(table, index)
-            .map_err(|fault| LoadError::Description { what, index: index + 1, fault })
+        describe(table, index).map_err(|fault| LoadError::Description {
+            what,
+            index: index + 1,
+            fault,
+        })
     };
     (0..count).map(one).collect()
 }

@@ -137,7 +137,9 @@ fn plain_name(item: Item<'_>) -> Option<String> {
     if is_plain_name(&text) {
         return Some(text);
     }
-    item.fault(format!("{text:?} is no plain name: letters, digits, _, - and . make one, 64 at most"));
+    item.fault(format!(
+        "{text:?} is no plain name: letters, digits, _, - and . make one, 64 at most"
+    ));
     None
 }
 

@@ -185,7 +185,11 @@ fn all(
     outputs: &[Port],
 ) -> Result<Vec<Raw<'static>>, NodeFault> {
     let missing = |port: &Port| NodeFault::Failed(format!("it made no {:?}", port.name));
-    values.into_iter().zip(outputs).map(|(value, port)| value.ok_or_else(|| missing(port))).collect()
+    values
+        .into_iter()
+        .zip(outputs)
+        .map(|(value, port)| value.ok_or_else(|| missing(port)))
+        .collect()
 }
 
 /// What a node is given, as the ABI has it.
@@ -219,7 +223,8 @@ impl Made {
     /// The value keeps the rules of the ABI.
     unsafe fn take(&mut self, port: u32, value: *const abi::Value) -> Result<(), String> {
         let place = self.values.get_mut(port as usize);
-        let place = place.ok_or_else(|| format!("it made a value for port {port}, which it lacks"))?;
+        let place =
+            place.ok_or_else(|| format!("it made a value for port {port}, which it lacks"))?;
         // SAFETY: the caller's promise.
         let value = unsafe { value.as_ref() }.ok_or("it made a value at no address")?;
         // SAFETY: the caller's promise.

@@ -71,8 +71,12 @@ fn try_dialect(dialect: &dyn Dialect) {
         Step::Feed { to: [1.0, 0.0, 0.0], mm_per_min: 600.0 },
         Step::Rapid { to: [1.0, 0.0, 5.0] },
     ];
-    let program =
-        Program { title: "probe", path_tolerance_mm: 0.01, commands: &commands, ..Program::default() };
+    let program = Program {
+        title: "probe",
+        path_tolerance_mm: 0.01,
+        commands: &commands,
+        ..Program::default()
+    };
     let _ = dialect.post(&program, &mut io::sink());
 }
 

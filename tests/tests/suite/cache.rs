@@ -37,7 +37,7 @@ fn a_second_run_runs_nothing() {
     let files = bench.files("out");
     let second = again(&bench, &[]);
     assert_eq!(second.nodes_that("ran"), [""; 0]);
-    assert_eq!(second.nodes_that("cached").len(), 17);
+    assert_eq!(second.nodes_that("cached").len(), 18);
     assert_eq!(second.nodes_that("skipped"), ["save_points"]);
     assert_eq!(bench.files("out"), files);
     assert_eq!(files, fresh(&bench, &[]));

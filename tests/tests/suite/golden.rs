@@ -92,7 +92,7 @@ fn five_slips_at_once() {
         with_diameter(&text, "-6.0")
             .replace("\"gaussian_blur\"", "\"gausian_blur\"")
             .replace("\"pattern\": \"passes\"", "\"pattern\": \"pases\"")
-            .replace("\"203mm\", \"z_min\"", "\"203rpm\", \"z_min\"")
+            .replacen("\"203mm\"", "\"203rpm\"", 1)
             .replace("\"format\": \"binary\"", "\"formt\": \"binary\"")
     });
 }

@@ -50,7 +50,10 @@ const MAY_KNOW: [(&str, &[&str]); 14] = [
 
 /// What only the tests of a crate may know: those of the standard plugins load them as libraries too.
 const TESTS_MAY_KNOW: [(&str, &[&str]); 2] = [
-    ("carvegraph-cutters", &["carvegraph-cutters-plugin", "carvegraph-host", "carvegraph-geometry"]),
+    (
+        "carvegraph-cutters",
+        &["carvegraph-cutters-plugin", "carvegraph-host", "carvegraph-geometry"],
+    ),
     ("carvegraph-dialects", &["carvegraph-dialects-plugin", "carvegraph-host"]),
 ];
 

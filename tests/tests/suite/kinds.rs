@@ -4,7 +4,7 @@
 use crate::bench::{standard_offers, workspace};
 use carvegraph_core::units::Dimension;
 use carvegraph_core::{Catalogs, Graph, Origin, ParamKind, ParamSpec, ParamValue, Registry};
-use carvegraph_nodes::{Batch, LIBRARY, registry};
+use carvegraph_nodes::{Batch, Cutters, LIBRARY, Machines, Tools, registry};
 use carvegraph_sdk::node::{Job, Node, NodeFault, Port};
 use carvegraph_sdk::value::Raw;
 use std::collections::BTreeSet;
@@ -251,15 +251,16 @@ fn nodes_from_elsewhere_stand_in_their_place_among_the_standard_ones() {
 fn nothing_is_offered_under_a_name_that_is_taken() {
     let mut offers = standard_offers();
     let mut refusal = |batch| offers.add(batch, "acme 1.0").unwrap_err().to_string();
-    let taken = |what: &str| format!("it offers the {what}, and there is one of that name already");
-    assert_eq!(refusal(foreign(&["link"])), taken("node \"link\""));
-    assert_eq!(refusal(foreign(&["x", "x"])), taken("node \"x\""));
+    let taken =
+        |what: &str, whose: &str| format!("it offers the {what}, which {whose} has already");
+    assert_eq!(refusal(foreign(&["link"])), taken("node \"link\"", "carve"));
+    assert_eq!(refusal(foreign(&["x", "x"])), taken("node \"x\"", "acme 1.0"));
     let cutters = Batch { cutters: carvegraph_cutters::standard(), ..Batch::default() };
-    assert_eq!(refusal(cutters), taken("cutter \"ball\""));
+    assert_eq!(refusal(cutters), taken("cutter \"ball\"", "test"));
     let dialects = Batch { dialects: carvegraph_dialects::standard(), ..Batch::default() };
-    assert_eq!(refusal(dialects), taken("dialect \"fanuc\""));
+    assert_eq!(refusal(dialects), taken("dialect \"fanuc\"", "test"));
     // All or nothing.
-    assert_eq!(refusal(foreign(&["y", "link"])), taken("node \"link\""));
+    assert_eq!(refusal(foreign(&["y", "link"])), taken("node \"link\"", "carve"));
     assert!(registry(offers).unwrap().kind("y").is_none());
 }
 
@@ -275,4 +276,28 @@ fn a_cutters_dimensions_are_fields_of_its_node() {
         registry.kind("cutter").unwrap().choosers().collect::<Vec<_>>(),
         [("shape", "cutter")]
     );
+}
+
+/// A cache must not hand out what was made with another profile, library, dialect or shape.
+#[test]
+fn machines_and_tools_change_with_their_files_and_with_what_they_name() {
+    let registry = standard();
+    let version = |catalog: &str, name: &str| {
+        registry.catalogs().entry(catalog, name).unwrap().version.clone()
+    };
+    for machine in Machines::built_in().0 {
+        let dialect = version("dialect", &machine.dialect.unwrap());
+        let expected = format!("{}, {dialect}", machine.version);
+        assert_eq!(version("machine", &machine.name), expected);
+    }
+    for tool in Tools::built_in().0 {
+        let expected = format!("{}, {}", tool.version, version("cutter", &tool.shape.text));
+        assert_eq!(version("tool", &tool.name), expected);
+    }
+}
+
+#[test]
+fn the_built_in_tools_can_be_made() {
+    let faults = Tools::built_in().faults(&Cutters(carvegraph_cutters::standard()));
+    assert!(faults.is_empty(), "{faults}");
 }

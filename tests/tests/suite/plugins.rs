@@ -124,10 +124,17 @@ fn a_plugin_in_c_is_installed_listed_and_used() {
     let library = in_c(&bench, "RIGHT");
     let installed = bench.carve(&["plugins", "install", path(&library), "--plugins", "plugins"]);
     assert_eq!((installed.status, installed.err.as_str()), (0, ""));
-    assert!(installed.out.starts_with("in-c 0.1: cutter square; dialect plain\n"), "{}", installed.out);
+    assert!(
+        installed.out.starts_with("in-c 0.1: cutter square; dialect plain\n"),
+        "{}",
+        installed.out
+    );
     // Not loaded, so the child's process is not needed.
     let listed = bench.carve(&["plugins", "--plugins", "plugins"]).out;
-    assert!(listed.starts_with("in-c  0.1  cutter square; dialect plain  plugins/in-c\n"), "{listed}");
+    assert!(
+        listed.starts_with("in-c  0.1  cutter square; dialect plain  plugins/in-c\n"),
+        "{listed}"
+    );
     let doctor = bench.carve(&["plugins", "doctor", "--plugins", "plugins"]);
     assert_eq!(doctor.status, 0);
     assert!(doctor.out.contains("1 fine, 0 at fault"), "{}", doctor.out);
@@ -137,7 +144,11 @@ fn a_plugin_in_c_is_installed_listed_and_used() {
     assert!(bench.text("out/medallion.gc").starts_with("*\n*\n"));
     let outside = relief(&bench, &["cutter=square", "diameter=60"]);
     assert_eq!(outside.status, 2);
-    assert!(outside.err.contains("diameter must be between 0.1 and 50 mm, not 60"), "{}", outside.err);
+    assert!(
+        outside.err.contains("diameter must be between 0.1 and 50 mm, not 60"),
+        "{}",
+        outside.err
+    );
 }
 
 #[cfg(unix)]
@@ -201,17 +212,19 @@ fn a_plugin_that_panics_at_once_is_left_out() {
 fn the_standard_plugins_load_as_libraries_too() {
     let bench = Bench::new();
     std::fs::create_dir(bench.path("plugins")).unwrap();
-    for (name, offers) in
-        [("carvegraph_cutters_plugin", "cutter ball"), ("carvegraph_dialects_plugin", "dialect fanuc")]
-    {
+    for (name, offers) in [
+        ("carvegraph_cutters_plugin", "cutter ball"),
+        ("carvegraph_dialects_plugin", "dialect fanuc"),
+    ] {
         let library = built_library(name);
-        let installed = bench.carve(&["plugins", "install", path(&library), "--plugins", "plugins"]);
+        let installed =
+            bench.carve(&["plugins", "install", path(&library), "--plugins", "plugins"]);
         assert_eq!((installed.status, installed.err.as_str()), (0, ""));
         assert!(installed.out.contains(offers), "{}", installed.out);
     }
     // Their names are taken by those that are linked: nothing is replaced behind a user's back.
     let doctor = bench.carve(&["plugins", "doctor", "--plugins", "plugins"]);
-    let taken = "it offers the dialect \"fanuc\", and there is one of that name already";
+    let taken = "it offers the dialect \"fanuc\", which carve 0.1.0 has already";
     assert!(doctor.out.contains(taken), "{}", doctor.out);
 }
 
@@ -222,8 +235,11 @@ fn nothing_is_loaded_from_the_current_folder_or_a_recipes() {
     bench.write("mine.ron", dialect);
     std::fs::create_dir(bench.path("recipes")).unwrap();
     bench.write("recipes/mine.ron", dialect);
-    bench.write("recipes/job.ron", r#"Recipe(format: 1, nodes: {"a": (kind: "recipe",
-        set: {"recipe": "relief", "dialect": "mine"})}, outputs: ["a"])"#);
+    bench.write(
+        "recipes/job.ron",
+        r#"Recipe(format: 1, nodes: {"a": (kind: "recipe",
+        set: {"recipe": "relief", "dialect": "mine"})}, outputs: ["a"])"#,
+    );
     for recipe in ["relief", "recipes/job.ron"] {
         let answer = bench.carve(&["check", recipe, "--set", "dialect=mine"]);
         assert_eq!(answer.status, 2, "{}", answer.err);
@@ -244,9 +260,11 @@ fn a_folder_that_is_not_there_is_refused() {
 fn a_dialect_is_begun_changed_and_used() {
     let bench = Bench::new();
     let plugins = ["--plugins", "plugins"];
-    let begun = bench.carve(&[&["dialects", "new", "mine", "--from", "grbl"][..], &plugins].concat());
+    let begun =
+        bench.carve(&[&["dialects", "new", "mine", "--from", "grbl"][..], &plugins].concat());
     assert_eq!((begun.status, begun.out.as_str()), (0, "plugins/mine.ron\n"), "{}", begun.err);
-    let again = bench.carve(&[&["dialects", "new", "mine", "--from", "haas"][..], &plugins].concat());
+    let again =
+        bench.carve(&[&["dialects", "new", "mine", "--from", "haas"][..], &plugins].concat());
     assert_eq!(again.status, 2, "{}", again.err);
     assert!(again.err.contains("cannot write plugins/mine.ron"), "{}", again.err);
     let like = relief(&bench, &["dialect=mine"]);
