@@ -7,13 +7,16 @@
 //! stop, returning `None`, as soon as it answers `false`.
 
 mod bounds;
+mod defects;
 mod drop_cutter;
 mod height_field;
 mod link;
 mod mesh;
+mod mesh_to_field;
 #[cfg(feature = "oracle")]
 pub mod oracle;
 mod pattern;
+mod placing;
 mod point_cloud;
 mod profile;
 mod raster;
@@ -22,12 +25,18 @@ mod stitch;
 mod toolpath;
 
 pub use bounds::Bounds;
-pub use drop_cutter::{Against, drop_on_height_field};
-pub use glam::{DVec2, DVec3};
+pub use defects::{Defects, find_defects};
+pub use drop_cutter::{Against, DropError, drop_on_height_field, drop_on_mesh, drop_on_points};
+pub use glam::{DAffine3, DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
 pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;
-pub use pattern::{Pattern, PatternSpan};
+pub use mesh_to_field::{FieldGrid, mesh_to_field};
+pub use pattern::{
+    Circles, ContourParallel, CrossRaster, Hilbert, Layout, Pace, Pattern, PatternSpan, Polygon,
+    PolygonError, Radial, Region, Spiral, Start, Turn,
+};
+pub use placing::{Axis, Datum, Fit, HeightDatum, Placing, PlacingError};
 pub use point_cloud::PointCloud;
 pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};

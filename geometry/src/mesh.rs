@@ -1,6 +1,8 @@
 //! A triangle mesh.
 
+use crate::Bounds;
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -18,5 +20,13 @@ impl Mesh {
     #[must_use]
     pub fn corners(&self, t: usize) -> [DVec3; 3] {
         self.triangles[t].map(|v| self.vertices[v as usize])
+    }
+
+    /// The box that just holds the triangles, in mm; `None` if there are none. Vertices that no
+    /// triangle uses do not count.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        let corners = self.triangles.par_iter().flat_map_iter(|triangle| *triangle);
+        Bounds::of(corners.map(|v| self.vertices[v as usize]))
     }
 }

@@ -5,7 +5,7 @@
 //! profiles of some hundred pieces on fields of a pitch near the cutter's size.
 
 // From the parent: this crate, or its tests, which take the file in so that they need no feature.
-use super::{Against, DVec2, DVec3, HeightField, Profile};
+use super::{Against, DVec2, DVec3, HeightField, Mesh, Profile};
 
 /// The height of the tip, in mm, at which a cutter lowered at `at` (mm) touches the field; −∞ if
 /// there is nothing under it. The time is that of looking at the whole field.
@@ -33,10 +33,36 @@ pub fn drop(field: &HeightField, against: Against, profile: &Profile, at: DVec2)
     best
 }
 
+/// The same for a mesh, whatever its triangles are like.
+#[must_use]
+pub fn drop_on_mesh(mesh: &Mesh, profile: &Profile, at: DVec2) -> f64 {
+    let corners = |t: usize| mesh.corners(t);
+    let used = (0..mesh.triangles.len()).flat_map(corners);
+    let mut best = drop_on_points(used, profile, at);
+    for corners in (0..mesh.triangles.len()).map(corners) {
+        // About its own height: the formulas square what they are given.
+        let lift = corners[0].z;
+        let seen = corners.map(|corner| corner - at.extend(lift));
+        best = best.max(on_triangle(profile, seen, best - lift) + lift);
+    }
+    best
+}
+
+/// The same for points alone.
+#[must_use]
+pub fn drop_on_points(points: impl Iterator<Item = DVec3>, profile: &Profile, at: DVec2) -> f64 {
+    points
+        .map(|point| point.z - profile.height(point.truncate().distance(at)))
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// The same for a triangle, given from the axis; −∞ if it obviously lies too low or too far.
 fn on_triangle(profile: &Profile, corners: [DVec3; 3], best: f64) -> f64 {
     let radius = profile.radius_mm();
     let [a, b, c] = corners;
+    // The formulas are for triangles that turn counter-clockwise in plan, or stand upright.
+    let turns = (b - a).truncate().perp_dot((c - a).truncate());
+    let corners = if turns < 0.0 { [a, c, b] } else { corners };
     let nearest = nearest_to_axis(corners) * (1.0 - 1e-9);
     if nearest > radius || a.z.max(b.z).max(c.z) - profile.height(nearest) < best - 1e-9 {
         return f64::NEG_INFINITY;
@@ -80,7 +106,7 @@ fn ball_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
     // Plane: normal · (center − a) = R.
     let center_z = (radius + normal.dot(a)) / normal.z;
     let touch = DVec3::new(0.0, 0.0, center_z) - normal * radius;
-    if holds(corners, touch.truncate()) {
+    if normal.z > 0.0 && holds(corners, touch.truncate()) {
         best = center_z - radius;
     }
     for (a, b) in [(a, b), (b, c), (c, a)] {
@@ -109,7 +135,7 @@ fn disc_on_triangle(radius: f64, corners: [DVec3; 3]) -> f64 {
     let uphill = (-normal.truncate() / normal.z).normalize_or_zero();
     let mut best = f64::NEG_INFINITY;
     let place = uphill * radius;
-    if holds(corners, place) {
+    if normal.z > 0.0 && holds(corners, place) {
         best = a.z - normal.truncate().dot(place - a.truncate()) / normal.z;
     }
     for (a, b) in [(a, b), (b, c), (c, a)] {
@@ -155,6 +181,9 @@ fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
         }
         // The part of the edge under the cutter.
         let (qa, qb) = (way.length_squared(), start.dot(way));
+        if qa == 0.0 {
+            continue;
+        }
         let root = qb * qb - qa * (start.length_squared() - radius * radius);
         if root >= 0.0 {
             let [low, high] = [-1.0, 1.0].map(|sign| (-qb + sign * root.sqrt()) / qa);
@@ -169,6 +198,9 @@ fn any_on_triangle(profile: &Profile, corners: [DVec3; 3]) -> f64 {
                 }
             }
         }
+    }
+    if normal.z <= 0.0 {
+        return best;
     }
     let on_plane = |t: f64| {
         let place = uphill * t;

@@ -8,14 +8,11 @@
 //! The last line, and the last point of a line, may stay short of the far border by less than a
 //! step.
 
-use crate::{Bounds, Pattern, PatternSpan};
+use crate::pattern::{Layer, STEP_SLACK, between, push};
+use crate::{Bounds, Layout, Pace, Pattern, Region};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
-
-/// Relative slack when counting whole steps: 3.0 / 0.3 is ten of them, though the quotient of the
-/// rounded numbers may fall just short.
-const STEP_SLACK: f64 = 1e-9;
 
 /// A direction this close to an axis, in radians, is that axis: 90° converted to radians and back
 /// is not exact, and over 10 m the difference is 10 nm.
@@ -86,15 +83,11 @@ impl Raster {
     /// Memory grows with [`Self::count`]: look at it first.
     #[must_use]
     pub fn pattern(&self, area: &Bounds) -> Pattern {
-        let mut pattern = Pattern { points: Vec::new(), spans: Vec::new() };
+        let mut pattern = Pattern::EMPTY;
         if !self.is_sound(area) {
             return pattern;
         }
-        let lines: Box<dyn Iterator<Item = Line>> = match self.axis() {
-            Some(axis) => Box::new(self.lines_along_axis(area, axis)),
-            None => Box::new(self.lines_across(area)),
-        };
-        for (k, line) in lines.filter(|line| line.points > 0).enumerate() {
+        for (k, line) in self.lines(area).enumerate() {
             let back = self.style == RasterStyle::Zigzag && k % 2 == 1;
             self.add(&mut pattern, if back { line.reversed() } else { line });
         }
@@ -117,6 +110,13 @@ impl Raster {
         let quarters = (self.direction_rad / FRAC_PI_2).round();
         let close = (self.direction_rad - quarters * FRAC_PI_2).abs() <= AXIS_SLACK_RAD;
         close.then(|| quarters.rem_euclid(4.0) as usize)
+    }
+
+    fn lines<'a>(&'a self, area: &'a Bounds) -> Box<dyn Iterator<Item = Line> + 'a> {
+        match self.axis() {
+            Some(axis) => Box::new(self.lines_along_axis(area, axis)),
+            None => Box::new(self.lines_across(area).filter(|line| line.points > 0)),
+        }
     }
 
     fn lines_along_axis(&self, area: &Bounds, axis: usize) -> impl Iterator<Item = Line> {
@@ -156,27 +156,53 @@ impl Raster {
         })
     }
 
+    /// Adds a pass, and for zigzag the points on the way to it, so that the cutter stays on the
+    /// surface.
     fn add(&self, pattern: &mut Pattern, line: Line) {
         let joined = self.style == RasterStyle::Zigzag && !pattern.points.is_empty();
         if let (true, Some(&from)) = (joined, pattern.points.last()) {
-            self.add_link(pattern, from, line.first);
+            push(pattern, between(from, line.first, self.feed_step_mm), true, true);
         }
-        let start = pattern.points.len();
-        pattern.points.extend((0..line.points).map(|i| line.point(i)));
-        let points = start..pattern.points.len();
-        pattern.spans.push(PatternSpan { points, link: false, joined });
+        push(pattern, (0..line.points).map(|i| line.point(i)), false, joined);
     }
 
-    /// Points between two passes, so that the cutter stays on the surface on its way over.
-    fn add_link(&self, pattern: &mut Pattern, from: DVec2, to: DVec2) {
-        let parts = (from.distance(to) / self.feed_step_mm * (1.0 - STEP_SLACK)).ceil() as usize;
-        if parts < 2 {
-            return;
+    /// The lines over the box of a region, cut down to it.
+    fn cut(&self, region: &Region) -> Pattern {
+        let pace = Pace { stepover_mm: self.stepover_mm, feed_step_mm: self.feed_step_mm };
+        let mut layer = match Layer::new(region, pace) {
+            Ok(layer) => layer,
+            Err(pattern) => return pattern,
+        };
+        for (k, line) in self.lines(region.bounds()).enumerate() {
+            let back = self.style == RasterStyle::Zigzag && k % 2 == 1;
+            let line = if back { line.reversed() } else { line };
+            self.add_parts(&mut layer, region, &line);
         }
-        let start = pattern.points.len();
-        pattern.points.extend((1..parts).map(|k| from.lerp(to, k as f64 / parts as f64)));
-        let points = start..pattern.points.len();
-        pattern.spans.push(PatternSpan { points, link: true, joined: true });
+        match self.style {
+            RasterStyle::Zigzag => layer.into_pattern(false),
+            RasterStyle::OneWay => layer.into_lifted(),
+        }
+    }
+
+    /// Adds the parts of a line inside a region, their points at whole steps from where they begin.
+    fn add_parts(&self, layer: &mut Layer<'_>, region: &Region, line: &Line) {
+        let (from, to) = (line.first, line.point(line.points.saturating_sub(1)));
+        for (enter, leave) in region.inside(from, to) {
+            let (enter, leave) = (from.lerp(to, enter), from.lerp(to, leave));
+            let points = steps(enter.distance(leave), self.feed_step_mm) as usize + 1;
+            let part = Line { first: enter, step: line.step, points };
+            layer.add_whole((0..points).map(|i| part.point(i)).collect());
+        }
+    }
+}
+
+impl Layout for Raster {
+    fn count(&self, region: &Region) -> f64 {
+        Self::count(self, region.bounds())
+    }
+
+    fn pattern(&self, region: &Region) -> Pattern {
+        if region.has_boundary() { self.cut(region) } else { Self::pattern(self, region.bounds()) }
     }
 }
 

@@ -2,8 +2,17 @@
 
 use carvegraph_core::Library;
 
-/// The standard recipes, sorted by name, and the sample that they carve where nothing else is said.
+/// The standard recipes, sorted by name, and the samples that they carve where nothing else is said.
 pub const LIBRARY: Library = Library {
-    recipes: &[("relief", include_str!("../../graphs/relief.ron"))],
-    assets: &[("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png"))],
+    recipes: &[
+        ("mesh_finish", include_str!("../../graphs/mesh_finish.ron")),
+        ("patterns", include_str!("../../graphs/patterns.ron")),
+        ("points_finish", include_str!("../../graphs/points_finish.ron")),
+        ("relief", include_str!("../../graphs/relief.ron")),
+    ],
+    assets: &[
+        ("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png")),
+        ("samples/shell.obj", include_bytes!("../../graphs/samples/shell.obj")),
+        ("samples/shell.xyz", include_bytes!("../../graphs/samples/shell.xyz")),
+    ],
 };

@@ -10,7 +10,8 @@ use carvegraph_core::{
     RegistryError,
 };
 use carvegraph_geometry::{
-    Bounds, Cutter, HeightField, Mesh, Pattern, PointCloud, Reduction, SpanKind, Toolpath,
+    Bounds, Cutter, Defects, HeightField, Mesh, Pattern, PointCloud, Polygon, Reduction, SpanKind,
+    Toolpath,
 };
 use carvegraph_sdk::{CutterShape, Dialect, DimensionSpec, DimensionUnit};
 use serde_json::{Value as Json, json};
@@ -136,23 +137,38 @@ fn sentence(line: &str) -> String {
 /// Every node, sorted by name.
 pub(crate) fn kinds() -> Vec<NodeKind> {
     vec![
+        NodeKind::of::<path::CirclesNode>("path"),
+        NodeKind::of::<path::ContourParallelNode>("path"),
+        NodeKind::of::<path::CrossRasterNode>("path"),
         NodeKind::of::<path::CutterNode>("path"),
         NodeKind::of::<path::DropCutter>("path"),
+        NodeKind::of::<path::DropOnMesh>("path"),
+        NodeKind::of::<path::DropOnPoints>("path"),
         NodeKind::of::<picture::GaussianBlur>("picture"),
         NodeKind::of::<picture::Grayscale>("picture"),
+        NodeKind::of::<path::HilbertNode>("path"),
+        NodeKind::of::<surface::InspectMesh>("surface"),
         NodeKind::of::<path::Link>("path"),
         NodeKind::of::<picture::LoadImage>("picture"),
+        NodeKind::of::<surface::LoadMesh>("surface"),
+        NodeKind::of::<surface::LoadPoints>("surface"),
+        NodeKind::of::<surface::MeshToField>("surface"),
         NodeKind::of::<surface::PointCloudNode>("surface"),
+        NodeKind::of::<path::PolygonNode>("path"),
         NodeKind::of::<output::Post>("output"),
         NodeKind::of::<output::Preview>("output"),
+        NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
         NodeKind::of::<path::ReduceCl>("path"),
         NodeKind::of::<output::SaveGcode>("output"),
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
         NodeKind::of::<path::SetupNode>("path"),
+        NodeKind::of::<path::SpiralNode>("path"),
         NodeKind::of::<surface::Stitch>("surface"),
         NodeKind::of::<output::Summary>("output"),
+        NodeKind::of::<surface::TransformMesh>("surface"),
+        NodeKind::of::<surface::TransformPoints>("surface"),
         NodeKind::of::<surface::ZMap>("surface"),
     ]
 }
@@ -165,6 +181,9 @@ fn types() -> Vec<PortType> {
         }),
         PortType::of("cutter", "A cutter's shape and size", cutter_facts, |cutter: &Cutter| {
             cutter.profile.segments().len() * 48
+        }),
+        PortType::of("defects", "What is wrong with a mesh", defects_facts, |_: &Defects| {
+            size_of::<Defects>()
         }),
         PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.text.len()),
         PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {
@@ -188,6 +207,9 @@ fn types() -> Vec<PortType> {
         ),
         PortType::of("point_cloud", "Points in space", cloud_facts, |cloud: &PointCloud| {
             cloud.points.len() * 24
+        }),
+        PortType::of("polygon", "An outline over the plane", polygon_facts, |polygon: &Polygon| {
+            polygon.loops().iter().map(|corners| corners.len() * 16).sum()
         }),
         PortType::of(
             "reduction",
@@ -230,6 +252,17 @@ fn bounds_facts(bounds: &Bounds) -> Facts {
 
 fn cutter_facts(cutter: &Cutter) -> Facts {
     facts([("shape", json!(cutter.name)), ("diameter_mm", json!(2.0 * cutter.profile.radius_mm()))])
+}
+
+fn defects_facts(defects: &Defects) -> Facts {
+    facts([
+        ("open_edges", json!(defects.open_edges)),
+        ("non_manifold_edges", json!(defects.non_manifold_edges)),
+        ("flipped_edges", json!(defects.flipped_edges)),
+        ("duplicate_triangles", json!(defects.duplicate_triangles)),
+        ("degenerate_triangles", json!(defects.degenerate_triangles)),
+        ("repeated_vertices", json!(defects.repeated_vertices)),
+    ])
 }
 
 fn gcode_facts(code: &Gcode) -> Facts {
@@ -291,6 +324,11 @@ fn pattern_facts(pattern: &Pattern) -> Facts {
 
 fn cloud_facts(cloud: &PointCloud) -> Facts {
     facts([("points", json!(cloud.points.len()))])
+}
+
+fn polygon_facts(polygon: &Polygon) -> Facts {
+    let corners: usize = polygon.loops().iter().map(Vec::len).sum();
+    facts([("loops", json!(polygon.loops().len())), ("corners", json!(corners))])
 }
 
 fn reduction_facts(reduction: &Reduction) -> Facts {

@@ -9,9 +9,9 @@
 //! The facet is touched R·(a, b)/√(1 + a² + b²) from the axis, the edge √(R² − d²)·m/√(1 + m²) from
 //! its foot; if that is outside, the contact is not on it.
 
-use super::best::Best;
-use super::cell::{Edge, Triangle};
-use super::shape::Shape;
+use super::best::{Best, Place};
+use super::edge::Edge;
+use super::shape::{Facet, Shape};
 use crate::ContactKind;
 use glam::DVec2;
 
@@ -39,21 +39,23 @@ impl Shape for Ball {
     }
 
     #[inline]
-    fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
-        let steep = (1.0 + triangle.slope.length_squared()).sqrt();
+    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64 {
+        let slope = triangle.slope();
+        let steep = (1.0 + slope.length_squared()).sqrt();
         let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);
         if tip > best.tip {
-            let place = triangle.slope * (self.radius / steep);
+            let place = slope * (self.radius / steep);
             if triangle.holds(place) {
-                let point = || triangle.point(at, place);
-                best.raise(tip, ContactKind::Facet, triangle.node, point);
+                let h = self.radius * (1.0 - 1.0 / steep);
+                let (tip, point) = (triangle.tip(tip, place, h), || triangle.point(at, place));
+                best.raise(tip, ContactKind::Facet, triangle.place(), point);
             }
         }
         tip
     }
 
     #[inline]
-    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: (usize, usize), best: &mut Best) {
+    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: Place, best: &mut Best) {
         let inside = self.radius * self.radius - edge.away2;
         if inside <= 0.0 {
             return;

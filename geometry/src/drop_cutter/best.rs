@@ -3,6 +3,9 @@
 use crate::{Contact, ContactKind};
 use glam::DVec3;
 
+/// Where an index has what was touched: a node (i, j) of a field, or an item of a list and 0.
+pub(super) type Place = (usize, usize);
+
 /// A height of the tip that is known to be touched. Of equal heights the first found stays: the
 /// order of the search is fixed, so the contact is the same on every run.
 pub(super) struct Best {
@@ -11,8 +14,8 @@ pub(super) struct Best {
     /// The same, rounded down; finite, so that −∞, which stands for no block, is below it.
     pub(super) low: f32,
     pub(super) contact: Contact,
-    /// The node whose visit found it.
-    pub(super) node: (usize, usize),
+    /// Where it was found.
+    pub(super) node: Place,
     /// Nodes around which all was tested, each at its [`place_of`].
     done: [(usize, usize); 16],
 }
@@ -44,7 +47,7 @@ impl Best {
         &mut self,
         tip: f64,
         kind: ContactKind,
-        node: (usize, usize),
+        node: Place,
         point: impl FnOnce() -> DVec3,
     ) {
         if tip > self.tip {

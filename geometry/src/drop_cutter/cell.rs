@@ -14,7 +14,10 @@
 //!      T4
 //! ```
 
+use super::best::Place;
+use super::edge::Edge;
 use super::search::Ground;
+use super::shape::Facet;
 use glam::{DVec2, DVec3};
 
 /// Edges around a node: columns and rows to the other end.
@@ -62,13 +65,13 @@ pub(super) fn falling_edges(z: f64, around: &[f64; 6], climb: DVec2, clearance: 
 /// A triangle: the plane z = z0 + a·x + b·y about its first node, and which half of a cell.
 pub(super) struct Triangle {
     /// Its first node, (i, j).
-    pub(super) node: (usize, usize),
+    node: Place,
     /// From the axis to the first node, in mm.
-    pub(super) to_first: DVec2,
+    to_first: DVec2,
     /// Height of the first node, in mm.
-    pub(super) z0: f64,
+    z0: f64,
     /// Slope of the plane.
-    pub(super) slope: DVec2,
+    slope: DVec2,
     /// Above the diagonal.
     upper: bool,
     pitch: f64,
@@ -101,16 +104,26 @@ impl Triangle {
             pitch: ground.pitch,
         })
     }
+}
 
-    /// Height of the plane at the axis, in mm.
+impl Facet for Triangle {
     #[inline]
-    pub(super) fn height_at_axis(&self) -> f64 {
+    fn place(&self) -> Place {
+        self.node
+    }
+
+    #[inline]
+    fn slope(&self) -> DVec2 {
+        self.slope
+    }
+
+    #[inline]
+    fn height_at_axis(&self) -> f64 {
         self.z0 - self.slope.dot(self.to_first)
     }
 
-    /// Whether a place of the plane, given from the axis, lies in the triangle; its border counts.
     #[inline]
-    pub(super) fn holds(&self, place: DVec2) -> bool {
+    fn holds(&self, place: DVec2) -> bool {
         let DVec2 { x, y } = place - self.to_first;
         if self.upper {
             x >= 0.0 && x <= y && y <= self.pitch
@@ -119,67 +132,28 @@ impl Triangle {
         }
     }
 
-    /// The point of the plane at a place given from the axis.
     #[inline]
-    pub(super) fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
+    fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
         (at + place).extend(self.z0 + self.slope.dot(place - self.to_first))
     }
+
+    #[inline]
+    fn tip(&self, on_plane: f64, _: DVec2, _: f64) -> f64 {
+        on_plane
+    }
 }
 
-/// An edge, seen from the axis: its line as z = foot_z + slope · s, s the way along it in plan from
-/// the foot of the perpendicular from the axis.
-pub(super) struct Edge {
-    /// The ends' s, in mm; the first is less.
-    pub(super) s: [f64; 2],
-    /// Distance of the axis from the line in plan, squared, mm².
-    pub(super) away2: f64,
-    /// Height of the line at its foot, in mm.
-    pub(super) foot_z: f64,
-    /// Rise per mm along s.
-    pub(super) slope: f64,
-    /// From the axis to the first node.
-    to_first: DVec2,
-    direction: DVec2,
-    z0: f64,
-}
-
-impl Edge {
-    /// The edge from node (i, j) the way `k` of [`AROUND`] (0, 1 or 2); its other end must exist.
-    #[inline]
-    pub(super) fn new(ground: &Ground, at: DVec2, i: usize, j: usize, k: usize) -> Self {
-        let (di, dj) = AROUND[k];
-        let (di, dj) = (di as usize, dj as usize);
-        let z0 = ground.height(i, j);
-        let rise = ground.height(i + di, j + dj) - z0;
-        let (length, direction) = if k == 1 {
-            (ground.pitch * std::f64::consts::SQRT_2, DVec2::splat(std::f64::consts::FRAC_1_SQRT_2))
-        } else {
-            (ground.pitch, DVec2::new(di as f64, dj as f64))
-        };
-        let to_first = DVec2::new(i as f64, j as f64) * ground.pitch - at;
-        let (along, across) = (to_first.dot(direction), direction.perp_dot(to_first));
-        let slope = rise / length;
-        Self {
-            s: [along, along + length],
-            away2: across * across,
-            foot_z: z0 - slope * along,
-            slope,
-            to_first,
-            direction,
-            z0,
-        }
-    }
-
-    /// The point of the line at `s`.
-    #[inline]
-    pub(super) fn point(&self, at: DVec2, s: f64) -> DVec3 {
-        let way = s - self.s[0];
-        (at + self.to_first + self.direction * way).extend(self.z0 + self.slope * way)
-    }
-
-    /// Whether `s` lies between the ends.
-    #[inline]
-    pub(super) fn holds(&self, s: f64) -> bool {
-        self.s[0] <= s && s <= self.s[1]
-    }
+/// The edge from node (i, j) the way `k` of [`AROUND`] (0, 1 or 2); its other end must exist.
+#[inline]
+pub(super) fn edge_from(ground: &Ground, at: DVec2, i: usize, j: usize, k: usize) -> Edge {
+    let (di, dj) = AROUND[k];
+    let (di, dj) = (di as usize, dj as usize);
+    let z0 = ground.height(i, j);
+    let rise = ground.height(i + di, j + dj) - z0;
+    let (length, direction) = if k == 1 {
+        (ground.pitch * std::f64::consts::SQRT_2, DVec2::splat(std::f64::consts::FRAC_1_SQRT_2))
+    } else {
+        (ground.pitch, DVec2::new(di as f64, dj as f64))
+    };
+    Edge::new(DVec2::new(i as f64, j as f64) * ground.pitch - at, z0, direction, length, rise)
 }

@@ -3,9 +3,9 @@
 //! That is a vertex, or lies on the rim of the disc: on a facet straight uphill from the axis, on an
 //! edge where it leaves the disc.
 
-use super::best::Best;
-use super::cell::{Edge, Triangle};
-use super::shape::Shape;
+use super::best::{Best, Place};
+use super::edge::Edge;
+use super::shape::{Facet, Shape};
 use crate::ContactKind;
 use glam::DVec2;
 
@@ -31,23 +31,24 @@ impl Shape for Flat {
     }
 
     #[inline]
-    fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
-        let steep = triangle.slope.length();
+    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64 {
+        let slope = triangle.slope();
+        let steep = slope.length();
         let tip = triangle.height_at_axis() + self.radius * steep;
         if tip > best.tip {
             // On a level facet every point is as high; the axis is the one to ask for.
-            let uphill = if steep > 0.0 { triangle.slope / steep } else { DVec2::ZERO };
+            let uphill = if steep > 0.0 { slope / steep } else { DVec2::ZERO };
             let place = uphill * self.radius;
             if triangle.holds(place) {
-                let point = || triangle.point(at, place);
-                best.raise(tip, ContactKind::Facet, triangle.node, point);
+                let (tip, point) = (triangle.tip(tip, place, 0.0), || triangle.point(at, place));
+                best.raise(tip, ContactKind::Facet, triangle.place(), point);
             }
         }
         tip
     }
 
     #[inline]
-    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: (usize, usize), best: &mut Best) {
+    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: Place, best: &mut Best) {
         let inside = self.radius * self.radius - edge.away2;
         if inside < 0.0 {
             return;

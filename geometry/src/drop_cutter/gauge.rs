@@ -11,6 +11,27 @@ use wide::f32x4;
 pub(super) trait Gauge: Sync {
     /// `x` and `y` are distances from the axis, not negative.
     fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32;
+
+    /// Which of four tilted lids surely stay clear of the cutter, as bits. None is a right answer.
+    #[inline]
+    fn clears(&self, _lids: &Lids) -> u32 {
+        0
+    }
+}
+
+/// Four planes over rectangles, below which all of a surface lies there; / R.
+pub(super) struct Lids {
+    /// Middle of the rectangle, from the axis.
+    pub(super) x: f32x4,
+    pub(super) y: f32x4,
+    /// From the middle of the rectangle to its sides.
+    pub(super) half_x: f32x4,
+    pub(super) half_y: f32x4,
+    /// Height of the plane at the middle above the tip.
+    pub(super) rise: f32x4,
+    /// Slope of the plane.
+    pub(super) slope_x: f32x4,
+    pub(super) slope_y: f32x4,
 }
 
 /// What a gauge says when blocks count as nearer along each axis by this much, / R.
@@ -37,10 +58,37 @@ fn ball_reach2(rise: f32x4) -> f32x4 {
 /// A ball nose.
 pub(super) struct BallGauge;
 
+/// Lids whose middle is farther from the axis than the root of this, / R, are not asked for: the
+/// ball's slope there, 3 and more, would multiply the rounding.
+const TANGENT_WITHIN2: f32 = 0.9;
+
+/// Allowance for f32 in the clearance under a tangent, as a share of its terms: a dozen roundings of
+/// 6e-8, and of slopes up to 3.
+const TANGENT_ROUNDING: f32 = 3e-6;
+
 impl Gauge for BallGauge {
     #[inline]
     fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
         (x * x + y * y).simd_lt(ball_reach2(rise)).to_bitmask()
+    }
+
+    /// By the ball's tangent plane at the middle of each rectangle, which lies below the ball: it
+    /// comes nearest to the lid at a corner.
+    #[inline]
+    fn clears(&self, lids: &Lids) -> u32 {
+        let d2 = lids.x * lids.x + lids.y * lids.y;
+        let near = d2.simd_lt(f32x4::splat(TANGENT_WITHIN2));
+        // Where it is not near the root is NaN, and so is no clearance.
+        let root = (f32x4::ONE - d2).sqrt();
+        let steep = f32x4::ONE / root;
+        let nears_x = (lids.x * steep - lids.slope_x).abs() * lids.half_x;
+        let nears_y = (lids.y * steep - lids.slope_y).abs() * lids.half_y;
+        let nears = nears_x + nears_y;
+        let clearance = (f32x4::ONE - root) - lids.rise - nears;
+        let size = lids.half_x + lids.half_y;
+        let terms = f32x4::ONE + lids.rise.abs() + nears + size + size;
+        let clear = clearance.simd_ge(terms * f32x4::splat(TANGENT_ROUNDING));
+        (near & clear).to_bitmask()
     }
 }
 

@@ -14,9 +14,9 @@
 //! which is bracketed and found by false position (Illinois rule). Piece ends cost no exactness: a
 //! contact there is one, whether the profile's corner is convex or concave.
 
-use super::best::Best;
-use super::cell::{Edge, Triangle};
-use super::shape::Shape;
+use super::best::{Best, Place};
+use super::edge::Edge;
+use super::shape::{Facet, Shape};
 use crate::ContactKind;
 use crate::profile::{Profile, Segment};
 use glam::DVec2;
@@ -147,22 +147,24 @@ impl Shape for General {
         Some(piece.slope(r)).filter(|slope| slope.is_finite())
     }
 
-    fn drop_on_triangle(&self, triangle: &Triangle, at: DVec2, best: &mut Best) -> f64 {
-        let (slope, level) = (triangle.slope.length(), triangle.height_at_axis());
-        let uphill = if slope > 0.0 { triangle.slope / slope } else { DVec2::ZERO };
+    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64 {
+        let (gradient, level) = (triangle.slope(), triangle.height_at_axis());
+        let slope = gradient.length();
+        let uphill = if slope > 0.0 { gradient / slope } else { DVec2::ZERO };
         let mut greatest = f64::NEG_INFINITY;
         self.touches_of_plane(slope, |r, h| {
             let tip = level + (slope * r - h);
             greatest = greatest.max(tip);
             let place = uphill * r;
             if tip > best.tip && triangle.holds(place) {
-                best.raise(tip, ContactKind::Facet, triangle.node, || triangle.point(at, place));
+                let (tip, point) = (triangle.tip(tip, place, h), || triangle.point(at, place));
+                best.raise(tip, ContactKind::Facet, triangle.place(), point);
             }
         });
         greatest
     }
 
-    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: (usize, usize), best: &mut Best) {
+    fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: Place, best: &mut Best) {
         if edge.away2 > self.radius * self.radius {
             return;
         }

@@ -13,20 +13,28 @@
 //! 4. What remains is tested exactly ([`probes`]), in closed form for balls and flats, by pieces for
 //!    any other profile. The shape is read off the profile's segments, never from a name.
 //!
+//! Meshes and points that lie anywhere ([`on_mesh`]) go the same way: [`boxes`] take the place of the
+//! pyramid, and [`facet`] that of the probes, over the same closed forms.
+//!
 //! # Limits
 //! * Exact to rounding: 1e-9 mm for balls and flats, 1e-6 mm and mostly far better for others.
-//! * One height at each node: overhangs need a mesh, not a field.
+//! * A field has one height at each node: what has overhangs is a mesh.
 //! * Where a cutter lies on a great part of a surface that has its own shape (a ball in a bowl of
 //!   its radius), nothing can be left out and the time per location grows with the shadow.
 
 mod around_node;
 mod ball;
 mod best;
+mod boxes;
 mod cell;
+mod edge;
+mod facet;
 mod flat;
 mod gauge;
 mod general;
 mod on_height_field;
+mod on_mesh;
+mod places;
 mod probes;
 mod pyramid;
 mod search;
@@ -35,3 +43,4 @@ mod shape;
 #[cfg(doc)]
 use crate::Profile;
 pub use on_height_field::{Against, drop_on_height_field};
+pub use on_mesh::{DropError, drop_on_mesh, drop_on_points};

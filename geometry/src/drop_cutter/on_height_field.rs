@@ -2,18 +2,16 @@
 
 use super::around_node::AroundNode;
 use super::ball::Ball;
-use super::best::Best;
+use super::best::{Best, Place};
 use super::flat::Flat;
 use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, Nearer, TableGauge};
 use super::general::General;
+use super::places::drop_at_places;
 use super::probes::{Peaks, Vertices};
 use super::search::{Ground, Probe};
-use super::shape::Shape;
-use crate::{
-    Contact, HeightField, Pattern, PatternSpan, Profile, Segment, Span, SpanKind, Tick, Toolpath,
-};
-use glam::{DVec2, DVec3};
-use rayon::prelude::*;
+use super::shape::{Shape, ShapeKind};
+use crate::{HeightField, Pattern, Profile, Tick, Toolpath};
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// What of a height field a cutter is dropped on.
@@ -25,10 +23,6 @@ pub enum Against {
     /// The two triangles of each cell: facets, edges and vertices.
     Mesh,
 }
-
-/// Places handled in one go by one thread. Within them each search starts from the contact before,
-/// so the number is fixed, not a matter of threads; and few enough to be told to stop in time.
-const CHUNK: usize = 64;
 
 /// Lowers a cutter on a field at each point of `pattern`, and keeps what it touches there.
 ///
@@ -59,31 +53,6 @@ pub fn drop_on_height_field(
             let general = General::new(profile);
             let gauge = TableGauge::new(&general, profile.height(profile.radius_mm()));
             job.drop_shape(&general, gauge, against)
-        }
-    }
-}
-
-/// Shapes with kernels of their own.
-enum ShapeKind {
-    Ball,
-    Flat,
-    General,
-}
-
-impl ShapeKind {
-    /// Upright segments after the last that goes outward touch nothing that its end does not.
-    fn of(profile: &Profile) -> Self {
-        let radius = profile.radius_mm();
-        let outward = profile.pieces().filter(|(from, segment)| segment.to()[0] > from[0]);
-        let mut outward = outward.map(|(_, segment)| *segment);
-        match (outward.next(), outward.next()) {
-            (Some(Segment::Arc { to, center }), None)
-                if to == [radius; 2] && center == [0.0, radius] =>
-            {
-                Self::Ball
-            }
-            (Some(Segment::Line { to }), None) if to[1] == 0.0 => Self::Flat,
-            _ => Self::General,
         }
     }
 }
@@ -127,25 +96,10 @@ impl Job<'_> {
 
     /// Searches with `probe` at each place.
     fn run<P: Probe + Sync>(&self, probe: &P) -> Option<Toolpath> {
-        let places = &self.pattern.points;
-        let mut tips = vec![DVec3::ZERO; places.len()];
-        let mut contacts = vec![Contact::NONE; places.len()];
-        let results = tips.par_chunks_mut(CHUNK).zip(contacts.par_chunks_mut(CHUNK));
-        places.par_chunks(CHUNK).zip(results).try_for_each(|(places, (tips, contacts))| {
-            let mut known: Option<(DVec2, (usize, usize))> = None;
-            for ((&at, tip), contact) in places.iter().zip(tips).zip(contacts) {
-                let mut best = Best::NONE;
-                self.start(probe, at, known, &mut best);
-                self.ground.search(probe, at, &mut best);
-                let touched = best.tip > f64::NEG_INFINITY;
-                known = touched.then_some((at, best.node));
-                *tip = at.extend(if touched { best.tip } else { self.floor_z_mm });
-                *contact = best.contact;
-            }
-            (self.tick)(places.len()).then_some(())
-        })?;
-        let spans = self.pattern.spans.iter().map(span_of).collect();
-        Some(Toolpath { tips, contacts, spans, feeds: None })
+        drop_at_places(self.pattern, self.floor_z_mm, self.tick, |at, known, best| {
+            self.start(probe, at, known, best);
+            self.ground.search(probe, at, best);
+        })
     }
 
     /// Visits nodes that are likely near the contact: the one at the place before, the one as far
@@ -155,7 +109,7 @@ impl Job<'_> {
         &self,
         probe: &P,
         at: DVec2,
-        known: Option<(DVec2, (usize, usize))>,
+        known: Option<(DVec2, Place)>,
         best: &mut Best,
     ) {
         let ground = self.ground;
@@ -170,9 +124,4 @@ impl Job<'_> {
             probe.glance(ground, at, next_i, next_j, best);
         }
     }
-}
-
-fn span_of(span: &PatternSpan) -> Span {
-    let kind = if span.link { SpanKind::Link } else { SpanKind::Pass };
-    Span { points: span.points.clone(), kind, joined: span.joined }
 }

@@ -1,7 +1,7 @@
 //! What is looked at around a node that the search could not rule out.
 
 use super::best::Best;
-use super::cell::{ALL_EDGES, AROUND, Edge, Triangle, falling_edges, heights_around};
+use super::cell::{ALL_EDGES, AROUND, Triangle, edge_from, falling_edges, heights_around};
 use super::gauge::{Gauge, Nearer};
 use super::search::{Ground, Probe};
 use super::shape::Shape;
@@ -93,7 +93,7 @@ impl<S: Shape, G: Gauge> Probe for Peaks<'_, S, G> {
             }
             let (di, dj) = if k < 3 { (0, 0) } else { AROUND[k] };
             let first = (i.wrapping_add_signed(di), j.wrapping_add_signed(dj));
-            let edge = Edge::new(ground, at, first.0, first.1, k % 3);
+            let edge = edge_from(ground, at, first.0, first.1, k % 3);
             self.shape.drop_on_edge(&edge, at, (i, j), best);
         }
     }

@@ -3,12 +3,14 @@
 #![allow(unreachable_pub, clippy::unwrap_used)]
 
 mod fields;
+mod meshes;
+mod on_mesh;
 #[path = "../../src/oracle.rs"]
 mod oracle;
 
 use carvegraph_geometry::{
-    Against, Bounds, ContactKind, DVec2, DVec3, HeightField, Pattern, PatternSpan, Profile, Raster,
-    RasterStyle, SpanKind, Tick, Toolpath, drop_on_height_field,
+    Against, Bounds, ContactKind, DVec2, DVec3, HeightField, Mesh, Pattern, PatternSpan, Profile,
+    Raster, RasterStyle, SpanKind, Tick, Toolpath, drop_on_height_field,
 };
 use fastrand::Rng;
 use fields::{any_field, cutters, field};

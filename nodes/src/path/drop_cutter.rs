@@ -74,12 +74,16 @@ impl Node for DropCutter {
             self.floor,
             &|count| ticker.tick(count),
         ))?;
-        let missed = toolpath.contacts.iter().filter(|c| c.kind == ContactKind::None).count();
-        if missed > 0 {
-            let floor = self.floor;
-            cx.warn(format!("at {missed} points nothing is under the cutter: floor, {floor} mm"));
-        }
+        warn_of_misses(&toolpath, self.floor, cx);
         Ok(Dropped { toolpath, choice: Remark { text } })
+    }
+}
+
+/// Tells at how many points the cutter fell to the floor.
+pub(super) fn warn_of_misses(toolpath: &Toolpath, floor: f64, cx: &Context<'_>) {
+    let missed = toolpath.contacts.iter().filter(|c| c.kind == ContactKind::None).count();
+    if missed > 0 {
+        cx.warn(format!("at {missed} points nothing is under the cutter: floor, {floor} mm"));
     }
 }
 

@@ -2,14 +2,23 @@
 
 mod cutter;
 mod drop_cutter;
+mod drop_on_mesh;
+mod drop_on_points;
 mod link;
+mod pattern;
 mod raster;
 mod reduce_cl;
 mod setup;
 
 pub(crate) use cutter::{CutterNode, DRAWING};
 pub(crate) use drop_cutter::DropCutter;
+pub(crate) use drop_on_mesh::DropOnMesh;
+pub(crate) use drop_on_points::DropOnPoints;
 pub(crate) use link::Link;
-pub(crate) use raster::{MAX_POINTS, RasterNode};
+pub(crate) use pattern::{
+    CirclesNode, ContourParallelNode, CrossRasterNode, HilbertNode, MAX_POINTS, PolygonNode,
+    RadialNode, SpiralNode,
+};
+pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;
 pub(crate) use setup::SetupNode;

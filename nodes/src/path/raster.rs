@@ -1,11 +1,9 @@
 //! Parallel passes over a part.
 
-use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Bounds, Pattern, Raster, RasterStyle};
+use super::pattern::{Area, Passes, laid};
+use carvegraph_core::{Choice, Context, Node, NodeError, Params};
+use carvegraph_geometry::{Pace, Raster, RasterStyle};
 use std::f64::consts::FRAC_PI_2;
-
-/// No pattern has more points: from the path of them to its program they take some 7 GB.
-pub(crate) const MAX_POINTS: f64 = 5e7;
 
 /// Lays parallel passes over a part, along its longer side if nothing else is said.
 #[derive(Clone, Debug, Params)]
@@ -47,16 +45,13 @@ pub(crate) enum Along {
     Y,
 }
 
-#[derive(Inputs)]
-pub(crate) struct Area<'a> {
-    /// The box that holds the part.
-    area: &'a Bounds,
-}
-
-#[derive(Outputs)]
-pub(crate) struct Passes {
-    /// The passes as seen from above.
-    pattern: Pattern,
+impl From<Style> for RasterStyle {
+    fn from(style: Style) -> Self {
+        match style {
+            Style::Zigzag => Self::Zigzag,
+            Style::OneWay => Self::OneWay,
+        }
+    }
 }
 
 impl Node for RasterNode {
@@ -64,8 +59,8 @@ impl Node for RasterNode {
     type Inputs<'a> = Area<'a>;
     type Outputs = Passes;
 
-    fn run(&self, inputs: Area<'_>, _: &Context<'_>) -> Result<Passes, NodeError> {
-        let size = inputs.area.size();
+    fn run(&self, area: Area<'_>, _: &Context<'_>) -> Result<Passes, NodeError> {
+        let size = area.area.size();
         let along_y = match self.along {
             Along::Longer => size.y > size.x,
             Along::X => false,
@@ -76,38 +71,19 @@ impl Node for RasterNode {
             stepover_mm: self.stepover,
             feed_step_mm: self.feed_step,
             direction_rad: base_rad + self.angle.to_radians(),
-            style: match self.style {
-                Style::Zigzag => RasterStyle::Zigzag,
-                Style::OneWay => RasterStyle::OneWay,
-            },
+            style: self.style.into(),
         };
-        self.check_count(raster.count(inputs.area))?;
-        Ok(Passes { pattern: raster.pattern(inputs.area) })
-    }
-}
-
-impl RasterNode {
-    fn check_count(&self, count: f64) -> Result<(), NodeError> {
-        if count <= MAX_POINTS {
-            return Ok(());
-        }
-        let param = if self.stepover <= self.feed_step { "stepover" } else { "feed_step" };
-        Err(NodeError::refused(
-            param,
-            format!(
-                "stepover {} mm and feed_step {} mm would make {count:.3e} points; the limit is \
-                 {MAX_POINTS:.0e}",
-                self.stepover, self.feed_step
-            ),
-        ))
+        let pace = Pace { stepover_mm: self.stepover, feed_step_mm: self.feed_step };
+        laid(&raster, pace, &area)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::pattern::testing::{over, over_half, refusal};
     use crate::testing::run;
-    use carvegraph_geometry::{DVec2, DVec3};
+    use carvegraph_geometry::{DVec2, Pattern};
 
     const NODE: RasterNode = RasterNode {
         stepover: 1.0,
@@ -118,8 +94,7 @@ mod tests {
     };
 
     fn pattern(node: &RasterNode, width: f64, height: f64) -> Result<Pattern, NodeError> {
-        let area = Bounds { min: DVec3::ZERO, max: DVec3::new(width, height, 5.0) };
-        run(|cx| node.run(Area { area: &area }, cx)).map(|passes| passes.pattern)
+        over((width, height), |area| run(|cx| node.run(area, cx)))
     }
 
     fn first_step(node: &RasterNode, width: f64, height: f64) -> DVec2 {
@@ -141,10 +116,17 @@ mod tests {
     #[test]
     fn too_many_points_are_refused_with_their_number() {
         let fine = RasterNode { stepover: 1e-9, ..NODE };
-        let Err(NodeError::Refused { param, message }) = pattern(&fine, 10.0, 10.0) else {
-            panic!("it must be refused")
-        };
+        let (param, message) = refusal(pattern(&fine, 10.0, 10.0));
         assert_eq!(param, "stepover");
         assert!(message.contains("would make 1.100e11 points; the limit is 5e7"), "{message}");
+    }
+
+    #[test]
+    fn passes_end_at_a_boundary() {
+        let half = over_half((10.0, 10.0), |area| run(|cx| NODE.run(area, cx)));
+        let lengths: Vec<usize> =
+            half.spans.iter().filter(|span| !span.link).map(|span| span.points.len()).collect();
+        // The last line only touches a corner.
+        assert_eq!(lengths, [11, 10, 9, 8, 7, 6, 5, 4, 3, 2]);
     }
 }

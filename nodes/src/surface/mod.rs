@@ -1,9 +1,24 @@
-//! Surfaces: made of pictures and points.
+//! Surfaces: made of pictures and points, read from files, turned and looked at.
 
+mod inspect_mesh;
+mod load_mesh;
+mod load_points;
+mod mesh_to_field;
+mod placing;
 mod point_cloud;
+mod read;
 mod stitch;
+mod transform_mesh;
+mod transform_points;
+mod unit;
 mod z_map;
 
+pub(crate) use inspect_mesh::InspectMesh;
+pub(crate) use load_mesh::LoadMesh;
+pub(crate) use load_points::LoadPoints;
+pub(crate) use mesh_to_field::MeshToField;
 pub(crate) use point_cloud::PointCloudNode;
 pub(crate) use stitch::Stitch;
+pub(crate) use transform_mesh::TransformMesh;
+pub(crate) use transform_points::TransformPoints;
 pub(crate) use z_map::ZMap;
