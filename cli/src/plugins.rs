@@ -110,7 +110,12 @@ pub(crate) fn doctor(brought: &Brought, folders: &[PathBuf]) -> String {
 }
 
 fn indented(text: &str) -> String {
-    text.trim_end().replace('\n', "\n       ")
+    without_error(text).trim_end().replace('\n', "\n       ")
+}
+
+/// What is wrong, to be said within a sentence: without the word that a diagnostic begins with.
+pub(crate) fn without_error(why: &str) -> &str {
+    why.strip_prefix("error: ").unwrap_or(why)
 }
 
 /// The child's part of trying a library.
@@ -131,8 +136,10 @@ pub(crate) fn child(library: &Path) -> Result<Command, String> {
 
 /// Puts a library or a `.ron` file into a plugin folder; answers what was done.
 pub(crate) fn install(from: &Path, id: Option<&str>, folder: &Path) -> Result<String, Refusal> {
-    let refuse =
-        |why: String| Refusal(format!("error: {} cannot be installed: {why}", from.display()));
+    let refuse = |why: String| {
+        let (file, why) = (from.display(), without_error(&why));
+        Refusal(format!("error: {file} cannot be installed: {why}"))
+    };
     if !from.is_file() {
         return Err(refuse("there is no such file".into()));
     }

@@ -1,7 +1,7 @@
 //! The one list of nodes, the one list of what passes between them, and the catalogs they use.
 
-use crate::offers::{Offers, Versioned};
-use crate::shop::{Machine, Machines, NONE, Setup, Tool, ToolSheet, Tools};
+use crate::offers::Offers;
+use crate::shop::{Machine, NONE, Setup, Tool, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
 use crate::{output, path, picture, surface};
 use carvegraph_core::units::Dimension;
@@ -44,17 +44,13 @@ impl Dialects {
 /// If something that is offered does not describe itself soundly, or the lists below are not in order,
 /// which is a fault in this file.
 pub fn registry(offers: Offers) -> Result<Registry, RegistryError> {
-    let Offers { cutters, dialects, nodes, missing } = offers;
-    let entries: Vec<_> = cutters.iter().map(cutter_entry).collect();
-    let cutters = Cutters(cutters.into_iter().map(|offer| offer.thing).collect());
-    let catalogs = Catalogs::default().with("cutter", entries, cutters);
-    let entry = |offer: &Versioned<Box<dyn Dialect>>| {
-        CatalogEntry::new(offer.thing.name(), offer.version.as_str())
-    };
-    let entries: Vec<_> = dialects.iter().map(entry).collect();
-    let dialects = Dialects(dialects.into_iter().map(|offer| offer.thing).collect());
-    let catalogs = catalogs.with("dialect", entries, dialects);
-    let (machines, tools) = (Machines::built_in(), Tools::built_in());
+    let shapes = offers.cutters.0.iter().map(|shape| cutter_entry(&**shape, &offers));
+    let shapes: Vec<CatalogEntry> = shapes.collect();
+    let spoken = offers.dialects.0.iter().map(|dialect| dialect_entry(&**dialect, &offers));
+    let spoken: Vec<CatalogEntry> = spoken.collect();
+    let Offers { cutters, dialects, machines, tools, nodes, missing, .. } = offers;
+    let catalogs = Catalogs::default();
+    let catalogs = catalogs.with("cutter", shapes, cutters).with("dialect", spoken, dialects);
     let entries = machines.0.iter().map(|machine| machine_entry(machine, &catalogs));
     let entries: Vec<_> = entries.chain([nothing()]).collect();
     let catalogs = catalogs.with("machine", entries, machines);
@@ -101,11 +97,15 @@ fn merged(mut kinds: Vec<NodeKind>, extra: Vec<NodeKind>) -> Vec<NodeKind> {
 }
 
 /// A shape, and its dimensions and drawing as parameters of the node that chooses it.
-fn cutter_entry(offer: &Versioned<Box<dyn CutterShape>>) -> CatalogEntry {
-    let shape = &offer.thing;
+fn cutter_entry(shape: &dyn CutterShape, offers: &Offers) -> CatalogEntry {
     let dimensions = shape.dimensions().iter().map(dimension_param);
     let params = dimensions.chain(shape.drawing().map(drawing_param)).collect();
-    CatalogEntry { params, ..CatalogEntry::new(shape.name(), offer.version.as_str()) }
+    let version = offers.origin("cutter", shape.name());
+    CatalogEntry { params, ..CatalogEntry::new(shape.name(), version) }
+}
+
+fn dialect_entry(dialect: &dyn Dialect, offers: &Offers) -> CatalogEntry {
+    CatalogEntry::new(dialect.name(), offers.origin("dialect", dialect.name()))
 }
 
 fn dimension_param(spec: &DimensionSpec) -> ParamSpec {
