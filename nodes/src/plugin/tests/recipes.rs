@@ -4,7 +4,6 @@ use super::super::crossing::CROSSINGS;
 use super::*;
 use crate::offers::{Batch, Offers};
 use crate::registry::registry;
-use crate::shop::{Machines, Tools};
 use carvegraph_core::source::Source;
 use carvegraph_core::{
     Graph, Library, NodeReport, Observer, Origin, Plan, Recipe, Registry, RunOptions, RunReport,
@@ -66,8 +65,7 @@ impl Dialect for Grbl {
 fn shop(extra: Vec<NodeKind>) -> Registry {
     let batch =
         Batch { cutters: vec![Box::new(Ball)], dialects: vec![Box::new(Grbl)], ..Batch::default() };
-    let mut offers =
-        Offers { machines: Machines(vec![]), tools: Tools(vec![]), ..Offers::default() };
+    let mut offers = Offers::default();
     offers.nodes = extra;
     offers.add(batch, "test").unwrap();
     registry(offers).unwrap()
