@@ -30,24 +30,6 @@ pub(crate) enum Trouble {
     NoThread(io::Error),
 }
 
-/// For calls that nobody listens to.
-pub(crate) struct Silent;
-
-impl Services for Silent {
-    fn note(&self, _: &str) {}
-
-    fn warn(&self, _: &str) {}
-
-    fn progress(&self, _: f64) -> bool {
-        true
-    }
-
-    fn parallel_for(&self, count: usize, body: &(dyn Fn(usize) + Sync)) -> bool {
-        (0..count).for_each(body);
-        true
-    }
-}
-
 /// What the plugin's thread asks of the waiting one.
 enum Request<T> {
     Write(Vec<u8>),
