@@ -120,7 +120,7 @@ pub struct Host {
     /// Tells how much is done, from 0 to 1; answers [`status::OK`] to go on or [`status::STOPPED`].
     pub progress: unsafe extern "C" fn(run: *const Run, share: f64) -> Status,
     /// Calls `body` with each index below `count` on the host's threads, several at once, and returns
-    /// when all are done. Not to be nested.
+    /// when all are done. A loop within a loop runs on one thread.
     pub parallel_for: unsafe extern "C" fn(
         run: *const Run,
         count: usize,
