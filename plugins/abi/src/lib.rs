@@ -6,7 +6,7 @@
 //!
 //! # How a library is read
 //! It exports one constant, [`SYMBOL`], a [`Plugin`]. The host looks at the magic, then at the major
-//! version, then calls `init`, then asks for a table by [capability](capability). A table lists what
+//! version, then calls `init`, then asks for a table by [capability]. A table lists what
 //! the plugin offers; each entry is described and called by its index.
 //!
 //! # Rules
@@ -179,7 +179,7 @@ pub struct Dimension {
     pub name: Text,
     /// What it measures, in a line.
     pub about: Text,
-    /// See [`unit`].
+    /// See [`mod@unit`].
     pub unit: u32,
     /// 0.
     pub reserved: u32,

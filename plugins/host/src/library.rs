@@ -148,7 +148,7 @@ const MAX_OFFERS: u32 = 1000;
 /// Loads a library for good and takes what it offers.
 ///
 /// A library can do anything when it is loaded, so this is to be called for those that the user put into
-/// a plugin folder, after [`probe`](crate::probe) has seen that the process survives it.
+/// a plugin folder, after [`probe`](crate::probe()) has seen that the process survives it.
 ///
 /// # Errors
 /// If the system can't load it, or it does not keep the rules.
