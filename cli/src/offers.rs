@@ -2,7 +2,6 @@
 //!
 //! What cannot be used is left out and told; a recipe that needs it is told why.
 
-use crate::plugins::child;
 use carvegraph_core::source::Source;
 use carvegraph_core::{Diagnostic, Diagnostics, Missing, Registry};
 use carvegraph_dialects::{DialectFile, from_file};
@@ -10,6 +9,7 @@ use carvegraph_host::{Candidate, Discovered, Fault, Plugin, linked};
 use carvegraph_nodes::{Batch, Machine, Offers, Tools, registry};
 use carvegraph_sdk::export::{Entry, entry};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 use std::{slice, thread};
 
@@ -205,4 +205,13 @@ fn tried(plugins: &[Candidate]) -> Vec<(&Candidate, Result<Plugin, String>)> {
         };
         running.into_iter().map(done).collect()
     })
+}
+
+/// This program again, about to try a library.
+pub(crate) fn child(library: &Path) -> Result<Command, String> {
+    let program =
+        std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
+    let mut child = Command::new(program);
+    child.args(["plugins", "probe"]).arg(library);
+    Ok(child)
 }

@@ -1,7 +1,7 @@
 //! `carve plugins`: what lies in the plugin folders, what is wrong with it, and putting something there.
 
 use crate::list::table;
-use crate::offers::{Brought, Sort};
+use crate::offers::{Brought, Sort, child};
 use crate::{Refusal, complain};
 use carvegraph_core::ron::read_file;
 use carvegraph_host::{
@@ -11,7 +11,6 @@ use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 
 /// The folders that are looked into: the user's, then those of the command line.
@@ -123,15 +122,6 @@ pub(crate) fn examine_here(library: &Path) -> Result<String, Refusal> {
     let mut found = Vec::new();
     examine(library, &mut found).map_err(|fault| Refusal(format!("error: {fault}")))?;
     Ok(String::from_utf8_lossy(&found).into_owned())
-}
-
-/// This program again, about to try a library.
-pub(crate) fn child(library: &Path) -> Result<Command, String> {
-    let program =
-        std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
-    let mut child = Command::new(program);
-    child.args(["plugins", "probe"]).arg(library);
-    Ok(child)
 }
 
 /// Puts a library or a `.ron` file into a plugin folder; answers what was done.

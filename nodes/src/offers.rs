@@ -2,7 +2,8 @@
 //! plugins in libraries, files.
 
 use crate::plugin::{PluginNodeError, kind_of};
-use crate::registry::{Cutters, Dialects, kinds};
+use crate::registry::kinds;
+use crate::services::{Cutters, Dialects};
 use crate::shop::{Machine, Machines, NONE, Tool, Tools};
 use carvegraph_core::diagnostic::did_you_mean;
 use carvegraph_core::{Diagnostics, Missing, NodeKind};

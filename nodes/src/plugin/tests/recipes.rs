@@ -2,8 +2,8 @@
 
 use super::super::crossing::CROSSINGS;
 use super::*;
+use crate::assemble::registry;
 use crate::offers::{Batch, Offers};
-use crate::registry::registry;
 use carvegraph_core::source::Source;
 use carvegraph_core::{
     Graph, Library, NodeReport, Observer, Origin, Plan, Recipe, Registry, RunOptions, RunReport,
