@@ -1,7 +1,7 @@
 //! The standard nodes, one file a step, in folders by stage.
 //!
 //! Adding a node: write its file, name it in its folder's `mod.rs` and on the list in
-//! [`registry()`]. Everything else (its help, its checks, its place in the reference) is read off
+//! `registry.rs`. Everything else (its help, its checks, its place in the reference) is read off
 //! its definition.
 
 mod assemble;

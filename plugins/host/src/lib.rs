@@ -12,6 +12,7 @@
 #![allow(unsafe_code, reason = "this is the boundary to libraries")]
 
 mod borrow;
+mod candidate;
 mod cutter;
 mod dialect;
 mod discover;
