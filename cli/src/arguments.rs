@@ -90,6 +90,10 @@ pub(crate) enum Command {
         #[command(subcommand)]
         action: Option<DialectAction>,
     },
+    /// Lists the machines
+    Machines,
+    /// Lists the tools
+    Tools,
     /// Lists the plugins, explains what is wrong with one, or installs one
     Plugins {
         #[command(subcommand)]

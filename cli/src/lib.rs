@@ -79,6 +79,8 @@ fn obey(command: Command, given: &[PathBuf]) -> Result<Exit, Refusal> {
         Command::Dialects { action: Some(DialectAction::New { name, from }) } => {
             say(&plugins::new_dialect(&name, &from, &plugins::folder_to_write(given)?)?);
         }
+        Command::Machines => say(&list::machines(&registry()?)),
+        Command::Tools => say(&list::tools(&registry()?)),
         Command::Plugins { action } => return manage(action, given),
         Command::Graphs { name: None, .. } => say(&list::graphs()?),
         Command::Graphs { name: Some(name), text } => {
@@ -115,7 +117,7 @@ fn manage(action: Option<PluginAction>, given: &[PathBuf]) -> Result<Exit, Refus
 fn full_registry(given: &[PathBuf]) -> Result<Registry, Refusal> {
     let brought = Brought::load(plugins::found(&plugins::folders(given)?));
     for fault in &brought.faults {
-        let first = fault.why.lines().next().unwrap_or_default();
+        let first = plugins::without_error(&fault.why).lines().next().unwrap_or_default();
         complain(&format!("warning: {} is left out: {first}", fault.path.display()));
     }
     if !brought.faults.is_empty() {

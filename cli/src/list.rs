@@ -6,7 +6,7 @@ use carvegraph_core::{
     Cache, CancelToken, CatalogEntry, DiskCache, Graph, NodeKind, Origin, ParamKind, ParamSpec,
     ParamValue, Plan, PortSpec, Recipe, Registry, Step,
 };
-use carvegraph_nodes::{Cutters, Dialects, LIBRARY};
+use carvegraph_nodes::{Cutters, Dialects, LIBRARY, Machines, Tools};
 use serde_json::{Map, Value as Json, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -215,6 +215,20 @@ pub(crate) fn dialects(registry: &Registry) -> String {
         vec![dialect.name().to_owned(), extension, dialect.about().to_owned()]
     };
     table(&dialects.iter().map(|dialect| row(dialect.as_ref())).collect::<Vec<_>>())
+}
+
+/// The machines.
+pub(crate) fn machines(registry: &Registry) -> String {
+    let machines = registry.catalogs().service::<Machines>();
+    table(&machines.map(Machines::rows).unwrap_or_default())
+}
+
+/// The tools.
+pub(crate) fn tools(registry: &Registry) -> String {
+    match (registry.catalogs().service::<Tools>(), registry.catalogs().service::<Cutters>()) {
+        (Some(tools), Some(cutters)) => table(&tools.rows(cutters)),
+        _ => String::new(),
+    }
 }
 
 fn built_in(name: &str) -> Result<Recipe, Refusal> {

@@ -2,14 +2,14 @@
 //!
 //! What cannot be used is left out and told; a recipe that needs it is told why.
 
-use crate::plugins::child;
 use carvegraph_core::source::Source;
 use carvegraph_core::{Diagnostic, Diagnostics, Missing, Registry};
 use carvegraph_dialects::{DialectFile, from_file};
 use carvegraph_host::{Candidate, Discovered, Fault, Plugin, linked};
-use carvegraph_nodes::{Batch, Offers, registry};
+use carvegraph_nodes::{Batch, Machine, Offers, Tools, registry};
 use carvegraph_sdk::export::{Entry, entry};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 use std::{slice, thread};
 
@@ -122,17 +122,26 @@ impl Brought {
             .filter(|file| Sort::of(file) == Some(Sort::Dialect))
             .map(dialect_file)
             .collect();
+        // Dialects first: machines name them.
+        for file in &dialects {
+            let batch = self.dialect(file, &dialects);
+            // It may build on any other.
+            self.file(&file.source, batch, files);
+        }
         for file in files {
-            let (batch, texts) = match Sort::of(file) {
-                // It may build on any other.
-                Some(Sort::Dialect) => (self.dialect(&dialect_file(file), &dialects), files),
-                Some(Sort::Machine | Sort::Tools) => (Ok(Batch::default()), slice::from_ref(file)),
+            let batch = match Sort::of(file) {
+                Some(Sort::Dialect) => continue,
+                Some(Sort::Machine) => Machine::read(file)
+                    .map(|(_, machine)| Batch { machines: vec![machine], ..Batch::default() }),
+                Some(Sort::Tools) => {
+                    Tools::read(file).map(|(_, tools)| Batch { tools, ..Batch::default() })
+                }
                 None => {
                     let why = "it begins with none of Dialect(, Machine( and Tools(";
-                    (Err(why.to_owned()), slice::from_ref(file))
+                    Err(Diagnostic::error(why).into())
                 }
             };
-            self.file(file, batch, texts);
+            self.file(file, batch.map_err(|faults| faults.to_string()), slice::from_ref(file));
         }
     }
 
@@ -196,4 +205,13 @@ fn tried(plugins: &[Candidate]) -> Vec<(&Candidate, Result<Plugin, String>)> {
         };
         running.into_iter().map(done).collect()
     })
+}
+
+/// This program again, about to try a library.
+pub(crate) fn child(library: &Path) -> Result<Command, String> {
+    let program =
+        std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
+    let mut child = Command::new(program);
+    child.args(["plugins", "probe"]).arg(library);
+    Ok(child)
 }

@@ -1,7 +1,7 @@
 //! `carve plugins`: what lies in the plugin folders, what is wrong with it, and putting something there.
 
 use crate::list::table;
-use crate::offers::{Brought, Sort};
+use crate::offers::{Brought, Sort, child};
 use crate::{Refusal, complain};
 use carvegraph_core::ron::read_file;
 use carvegraph_host::{
@@ -11,7 +11,6 @@ use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::Arc;
 
 /// The folders that are looked into: the user's, then those of the command line.
@@ -110,7 +109,12 @@ pub(crate) fn doctor(brought: &Brought, folders: &[PathBuf]) -> String {
 }
 
 fn indented(text: &str) -> String {
-    text.trim_end().replace('\n', "\n       ")
+    without_error(text).trim_end().replace('\n', "\n       ")
+}
+
+/// What is wrong, to be said within a sentence: without the word that a diagnostic begins with.
+pub(crate) fn without_error(why: &str) -> &str {
+    why.strip_prefix("error: ").unwrap_or(why)
 }
 
 /// The child's part of trying a library.
@@ -120,19 +124,12 @@ pub(crate) fn examine_here(library: &Path) -> Result<String, Refusal> {
     Ok(String::from_utf8_lossy(&found).into_owned())
 }
 
-/// This program again, about to try a library.
-pub(crate) fn child(library: &Path) -> Result<Command, String> {
-    let program =
-        std::env::current_exe().map_err(|fault| format!("it cannot be tried: {fault}"))?;
-    let mut child = Command::new(program);
-    child.args(["plugins", "probe"]).arg(library);
-    Ok(child)
-}
-
 /// Puts a library or a `.ron` file into a plugin folder; answers what was done.
 pub(crate) fn install(from: &Path, id: Option<&str>, folder: &Path) -> Result<String, Refusal> {
-    let refuse =
-        |why: String| Refusal(format!("error: {} cannot be installed: {why}", from.display()));
+    let refuse = |why: String| {
+        let (file, why) = (from.display(), without_error(&why));
+        Refusal(format!("error: {file} cannot be installed: {why}"))
+    };
     if !from.is_file() {
         return Err(refuse("there is no such file".into()));
     }

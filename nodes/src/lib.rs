@@ -1,9 +1,10 @@
 //! The standard nodes, one file a step, in folders by stage.
 //!
 //! Adding a node: write its file, name it in its folder's `mod.rs` and on the list in
-//! [`registry()`]. Everything else (its help, its checks, its place in the reference) is read off
+//! `registry.rs`. Everything else (its help, its checks, its place in the reference) is read off
 //! its definition.
 
+mod assemble;
 mod library;
 mod offers;
 mod output;
@@ -11,17 +12,19 @@ mod path;
 mod picture;
 mod plugin;
 mod registry;
+mod services;
 mod shop;
 mod surface;
 #[cfg(test)]
 mod testing;
 mod values;
 
+pub use assemble::registry;
 pub use carvegraph_sdk::{CutterShape, Dialect};
 pub use library::LIBRARY;
 pub use offers::{Batch, OfferError, Offers};
 pub use plugin::{PluginNodeError, kind_of};
-pub use registry::{Cutters, Dialects, registry};
+pub use services::{Cutters, Dialects};
 pub use shop::{
     Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet,
     Tools, Travel,

@@ -3,16 +3,16 @@
 
 use crate::plugin::{PluginNodeError, kind_of};
 use crate::registry::kinds;
-use carvegraph_core::{Missing, NodeKind};
+use crate::services::{Cutters, Dialects};
+use crate::shop::{Machine, Machines, NONE, Tool, Tools};
+use carvegraph_core::diagnostic::did_you_mean;
+use carvegraph_core::{Diagnostics, Missing, NodeKind};
 use carvegraph_sdk::node::Node;
 use carvegraph_sdk::{CutterShape, Dialect};
 use std::collections::BTreeMap;
 
-/// A thing, and the version of what it stands for: another one makes cached values stale.
-pub(crate) struct Versioned<T> {
-    pub(crate) thing: T,
-    pub(crate) version: String,
-}
+/// Whose the built-in machines, tools and nodes are.
+const OURS: &str = "carve";
 
 /// What one plugin or file brings.
 #[derive(Default)]
@@ -23,15 +23,25 @@ pub struct Batch {
     pub dialects: Vec<Box<dyn Dialect>>,
     /// Kinds of node.
     pub nodes: Vec<Box<dyn Node>>,
+    /// Machines.
+    pub machines: Vec<Machine>,
+    /// Tools.
+    pub tools: Vec<Tool>,
 }
 
-/// Everything that is offered.
-#[derive(Default)]
+/// A sort of thing and the name of one.
+type Named = (&'static str, String);
+
+/// Everything that is offered; at first the built-in machines and tools.
 pub struct Offers {
-    pub(crate) cutters: Vec<Versioned<Box<dyn CutterShape>>>,
-    pub(crate) dialects: Vec<Versioned<Box<dyn Dialect>>>,
+    pub(crate) cutters: Cutters,
+    pub(crate) dialects: Dialects,
+    pub(crate) machines: Machines,
+    pub(crate) tools: Tools,
     pub(crate) nodes: Vec<NodeKind>,
     pub(crate) missing: Vec<(&'static str, Missing)>,
+    /// Where each thing comes from, and in which version.
+    origins: BTreeMap<Named, String>,
 }
 
 /// Why something cannot be offered.
@@ -50,28 +60,60 @@ pub enum OfferError {
     /// A node is defined wrongly.
     #[error(transparent)]
     Node(#[from] PluginNodeError),
+    /// A machine's controller is not known.
+    #[error("{place}: there is no dialect {dialect:?}{near}")]
+    Dialect {
+        /// Where the machine says so.
+        place: String,
+        /// What it says.
+        dialect: String,
+        /// A name that is near, as the end of a sentence.
+        near: String,
+    },
+    /// Tools have shapes that are not known, or dimensions that the shapes lack.
+    #[error("{0}")]
+    Tools(Diagnostics),
+}
+
+impl Default for Offers {
+    fn default() -> Self {
+        let (machines, tools) = (Machines::built_in(), Tools::built_in());
+        let names = machines.0.iter().map(|machine| ("machine", machine.name.clone()));
+        let names = names.chain(tools.0.iter().map(|tool| ("tool", tool.name.clone())));
+        let names = names.chain(kinds().into_iter().map(|kind| ("node", kind.name.to_owned())));
+        let reserved = ["machine", "tool"].map(|sort| (sort, NONE.to_owned()));
+        let origins = names.chain(reserved).map(|name| (name, OURS.to_owned())).collect();
+        Self {
+            cutters: Cutters(Vec::new()),
+            dialects: Dialects(Vec::new()),
+            machines,
+            tools,
+            nodes: Vec::new(),
+            missing: Vec::new(),
+            origins,
+        }
+    }
 }
 
 impl Offers {
     /// Adds all of a batch, or nothing if something is wrong with it. `origin` says where it comes from
-    /// and in which version.
+    /// and in which version. Dialects and cutters come before the machines and tools that name them.
     ///
     /// # Errors
-    /// If a name is taken, or a node is defined wrongly.
+    /// If a name is taken, a node is defined wrongly, or a machine or tool needs what there is not.
     pub fn add(&mut self, batch: Batch, origin: &str) -> Result<(), OfferError> {
+        let names = self.claimed(&batch, origin)?;
+        let Batch { cutters, dialects, nodes, machines, tools } = batch;
         let kind = |node| kind_of(node, origin.to_owned());
-        let nodes = batch.nodes.into_iter().map(kind).collect::<Result<Vec<_>, _>>()?;
-        let known = self.cutters.iter().map(|known| (known.thing.name(), &*known.version));
-        check("cutter", origin, known, batch.cutters.iter().map(|cutter| cutter.name()))?;
-        let known = self.dialects.iter().map(|known| (known.thing.name(), &*known.version));
-        check("dialect", origin, known, batch.dialects.iter().map(|dialect| dialect.name()))?;
-        let standard = kinds();
-        let known = standard.iter().chain(&self.nodes);
-        let known = known.map(|kind| (kind.name, kind.origin.as_deref().unwrap_or("carve")));
-        check("node", origin, known, nodes.iter().map(|kind| kind.name))?;
-        self.cutters.extend(versioned(batch.cutters, origin));
-        self.dialects.extend(versioned(batch.dialects, origin));
+        let nodes = nodes.into_iter().map(kind).collect::<Result<Vec<_>, _>>()?;
+        machines.iter().try_for_each(|machine| self.check_machine(machine))?;
+        let tools = self.checked_tools(tools)?;
+        self.cutters.0.extend(cutters);
+        self.dialects.0.extend(dialects);
         self.nodes.extend(nodes);
+        self.machines.0.extend(machines);
+        self.tools.0.extend(tools);
+        self.origins.extend(names);
         Ok(())
     }
 
@@ -79,25 +121,53 @@ impl Offers {
     pub fn miss(&mut self, sort: &'static str, missing: Missing) {
         self.missing.push((sort, missing));
     }
-}
 
-fn versioned<T>(things: Vec<T>, version: &str) -> impl Iterator<Item = Versioned<T>> {
-    things.into_iter().map(|thing| Versioned { thing, version: version.to_owned() })
-}
-
-/// Refuses a name that is known, each with whose it is, or that `origin` itself has twice.
-fn check<'n>(
-    sort: &'static str,
-    origin: &'n str,
-    known: impl Iterator<Item = (&'n str, &'n str)>,
-    names: impl Iterator<Item = &'n str>,
-) -> Result<(), OfferError> {
-    let mut owners: BTreeMap<&str, &str> = known.collect();
-    for name in names {
-        if let Some(owner) = owners.insert(name, origin) {
-            let (name, owner) = (name.to_owned(), owner.to_owned());
-            return Err(OfferError::Taken { sort, name, owner });
-        }
+    /// Where a thing comes from, and in which version.
+    pub(crate) fn origin(&self, sort: &'static str, name: &str) -> &str {
+        self.origins.get(&(sort, name.to_owned())).map_or("", String::as_str)
     }
-    Ok(())
+
+    /// The names of a batch, if none is taken, nor twice its own.
+    fn claimed(&self, batch: &Batch, origin: &str) -> Result<BTreeMap<Named, String>, OfferError> {
+        let mut claimed = BTreeMap::new();
+        for named in batch.names() {
+            let earlier = claimed.insert(named.clone(), origin.to_owned());
+            if let Some(owner) = self.origins.get(&named).cloned().or(earlier) {
+                let (sort, name) = named;
+                return Err(OfferError::Taken { sort, name, owner });
+            }
+        }
+        Ok(claimed)
+    }
+
+    fn check_machine(&self, machine: &Machine) -> Result<(), OfferError> {
+        let Some(dialect) = &machine.dialect else { return Ok(()) };
+        if self.dialects.find(dialect).is_some() {
+            return Ok(());
+        }
+        let near = did_you_mean(dialect, self.dialects.0.iter().map(|known| known.name()));
+        Err(OfferError::Dialect {
+            place: machine.dialect_place.clone(),
+            dialect: dialect.clone(),
+            near: near.map(|near| format!(": did you mean {near:?}?")).unwrap_or_default(),
+        })
+    }
+
+    fn checked_tools(&self, tools: Vec<Tool>) -> Result<Vec<Tool>, OfferError> {
+        let tools = Tools(tools);
+        let faults = tools.faults(&self.cutters);
+        if faults.is_empty() { Ok(tools.0) } else { Err(OfferError::Tools(faults)) }
+    }
+}
+
+impl Batch {
+    fn names(&self) -> Vec<Named> {
+        let Self { cutters, dialects, nodes, machines, tools } = self;
+        let cutters = cutters.iter().map(|cutter| ("cutter", cutter.name().to_owned()));
+        let dialects = dialects.iter().map(|dialect| ("dialect", dialect.name().to_owned()));
+        let nodes = nodes.iter().map(|node| ("node", node.name().to_owned()));
+        let machines = machines.iter().map(|machine| ("machine", machine.name.clone()));
+        let tools = tools.iter().map(|tool| ("tool", tool.name.clone()));
+        cutters.chain(dialects).chain(nodes).chain(machines).chain(tools).collect()
+    }
 }

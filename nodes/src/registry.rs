@@ -1,138 +1,15 @@
-//! The one list of nodes, the one list of what passes between them, and the catalogs they use.
+//! The one list of nodes, and the one list of what passes between them.
 
-use crate::offers::{Offers, Versioned};
-use crate::shop::{Machine, Machines, NONE, Setup, Tool, ToolSheet, Tools};
+use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
 use crate::{output, path, picture, surface};
-use carvegraph_core::units::Dimension;
-use carvegraph_core::{
-    CatalogEntry, Catalogs, Facts, NodeKind, ParamKind, ParamSpec, ParamValue, PortType, Registry,
-    RegistryError,
-};
+use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Pattern, PointCloud, Polygon, Reduction, SpanKind,
     Toolpath,
 };
-use carvegraph_sdk::{CutterShape, Dialect, DimensionSpec, DimensionUnit};
 use serde_json::{Value as Json, json};
 use std::mem::size_of;
-
-/// The cutter shapes that the program knows.
-pub struct Cutters(pub Vec<Box<dyn CutterShape>>);
-
-/// The dialects that the program knows.
-pub struct Dialects(pub Vec<Box<dyn Dialect>>);
-
-impl Cutters {
-    /// The shape called `name`.
-    #[must_use]
-    pub fn find(&self, name: &str) -> Option<&dyn CutterShape> {
-        self.0.iter().find(|shape| shape.name() == name).map(AsRef::as_ref)
-    }
-}
-
-impl Dialects {
-    /// The dialect called `name`.
-    #[must_use]
-    pub fn find(&self, name: &str) -> Option<&dyn Dialect> {
-        self.0.iter().find(|dialect| dialect.name() == name).map(AsRef::as_ref)
-    }
-}
-
-/// The standard nodes, and all that is offered beside them.
-///
-/// # Errors
-/// If something that is offered does not describe itself soundly, or the lists below are not in order,
-/// which is a fault in this file.
-pub fn registry(offers: Offers) -> Result<Registry, RegistryError> {
-    let Offers { cutters, dialects, nodes, missing } = offers;
-    let entries: Vec<_> = cutters.iter().map(cutter_entry).collect();
-    let cutters = Cutters(cutters.into_iter().map(|offer| offer.thing).collect());
-    let catalogs = Catalogs::default().with("cutter", entries, cutters);
-    let entry = |offer: &Versioned<Box<dyn Dialect>>| {
-        CatalogEntry::new(offer.thing.name(), offer.version.as_str())
-    };
-    let entries: Vec<_> = dialects.iter().map(entry).collect();
-    let dialects = Dialects(dialects.into_iter().map(|offer| offer.thing).collect());
-    let catalogs = catalogs.with("dialect", entries, dialects);
-    let (machines, tools) = (Machines::built_in(), Tools::built_in());
-    let entries = machines.0.iter().map(|machine| machine_entry(machine, &catalogs));
-    let entries: Vec<_> = entries.chain([nothing()]).collect();
-    let catalogs = catalogs.with("machine", entries, machines);
-    let entries = tools.0.iter().map(|tool| tool_entry(tool, &catalogs));
-    let entries: Vec<_> = entries.chain([nothing()]).collect();
-    let catalogs = catalogs.with("tool", entries, tools);
-    let registry = Registry::new(merged(kinds(), nodes), types(), catalogs)?;
-    Ok(missing.into_iter().fold(registry, |registry, (sort, missing)| match sort {
-        "node" => registry.with_missing_kinds([missing]),
-        catalog => registry.with_missing_entries(catalog, [missing]),
-    }))
-}
-
-/// The entry that stands for choosing none.
-fn nothing() -> CatalogEntry {
-    CatalogEntry::new(NONE, "")
-}
-
-/// A machine. It may decide the dialect, so that its version is that of both.
-fn machine_entry(machine: &Machine, catalogs: &Catalogs) -> CatalogEntry {
-    let dialect = machine.dialect.as_deref().and_then(|name| catalogs.entry("dialect", name));
-    CatalogEntry::new(machine.name.as_str(), both(&machine.version, dialect))
-}
-
-/// A tool. It may decide the shape, so that its version is that of both.
-fn tool_entry(tool: &Tool, catalogs: &Catalogs) -> CatalogEntry {
-    let shape = catalogs.entry("cutter", &tool.shape.text);
-    CatalogEntry::new(tool.name.as_str(), both(&tool.version, shape))
-}
-
-fn both(version: &str, decided: Option<&CatalogEntry>) -> String {
-    let decided = decided.map(|entry| entry.version.as_str());
-    [Some(version), decided].into_iter().flatten().collect::<Vec<_>>().join(", ")
-}
-
-/// Adds `extra` to a list that is in order. Each goes to its place; the list is not sorted anew, or
-/// a slip in its order would go unseen.
-fn merged(mut kinds: Vec<NodeKind>, extra: Vec<NodeKind>) -> Vec<NodeKind> {
-    for kind in extra {
-        let place = kinds.partition_point(|known| known.name <= kind.name);
-        kinds.insert(place, kind);
-    }
-    kinds
-}
-
-/// A shape, and its dimensions and drawing as parameters of the node that chooses it.
-fn cutter_entry(offer: &Versioned<Box<dyn CutterShape>>) -> CatalogEntry {
-    let shape = &offer.thing;
-    let dimensions = shape.dimensions().iter().map(dimension_param);
-    let params = dimensions.chain(shape.drawing().map(drawing_param)).collect();
-    CatalogEntry { params, ..CatalogEntry::new(shape.name(), offer.version.as_str()) }
-}
-
-fn dimension_param(spec: &DimensionSpec) -> ParamSpec {
-    let dimension = match spec.unit {
-        DimensionUnit::Mm => Dimension::Length,
-        DimensionUnit::Deg => Dimension::Angle,
-    };
-    ParamSpec {
-        name: spec.name,
-        about: sentence(spec.about).into(),
-        kind: ParamKind::Number { dimension, min: spec.min, max: spec.max },
-        default: Some(ParamValue::Number(spec.default)),
-        // To a tool of a library.
-        yields: true,
-    }
-}
-
-fn drawing_param(about: &str) -> ParamSpec {
-    let (name, about) = (path::DRAWING, sentence(about).into());
-    ParamSpec { name, about, kind: ParamKind::InputFile, default: None, yields: false }
-}
-
-/// A line with the full stop that parameters are described with.
-fn sentence(line: &str) -> String {
-    if line.ends_with('.') { line.to_owned() } else { format!("{line}.") }
-}
 
 /// Every node, sorted by name.
 pub(crate) fn kinds() -> Vec<NodeKind> {
@@ -174,7 +51,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
 }
 
 /// Every type that passes between nodes: its facts and about how many bytes one takes.
-fn types() -> Vec<PortType> {
+pub(crate) fn types() -> Vec<PortType> {
     vec![
         PortType::of("bounds", "The box that holds a part", bounds_facts, |_: &Bounds| {
             size_of::<Bounds>()

@@ -85,7 +85,7 @@ typedef struct cg_host {
     /* Tells how much is done, from 0 to 1; answers CG_OK to go on or CG_STOPPED. */
     cg_status (*progress)(const cg_run *run, double share);
     /* Calls body with each index below count on the host's threads, several at once, and returns when
-     * all are done. Not to be nested. */
+     * all are done. A loop within a loop runs on one thread. */
     cg_status (*parallel_for)(const cg_run *run, size_t count, void (*body)(void *data, size_t index),
                               void *data);
 } cg_host;

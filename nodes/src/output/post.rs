@@ -5,7 +5,7 @@
 //!
 //! A program that the machine of the setup cannot run is refused, with everything that keeps it from it.
 
-use crate::registry::Dialects;
+use crate::services::Dialects;
 use crate::shop::{Demands, Machine, NONE, Setup, ToolChange, short};
 use crate::values::Gcode;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params, Yielding};

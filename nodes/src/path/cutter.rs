@@ -4,7 +4,7 @@
 //! parameter, and fields of this node. A tool of a library brings a shape and its dimensions; what is set
 //! here wins over them.
 
-use crate::registry::Cutters;
+use crate::services::Cutters;
 use crate::shop::{NONE, Tool, ToolSheet, Tools};
 use carvegraph_core::{
     Context, Diagnostics, EntryParams, InputFile, Node, NodeError, Outputs, Params, Yielding,

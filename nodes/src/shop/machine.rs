@@ -487,7 +487,7 @@ spindle: (min: 9000, max: 800, rpm: 5), tool_change: "yes", max_feed: 800)"#
     fn every_built_in_profile_is_read_and_listed_by_the_name_of_its_file() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../machines");
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-        let files = files.filter(|path| path.is_file());
+        let files = files.filter(|path| path.extension().is_some_and(|known| known == "ron"));
         let mut stems: Vec<String> =
             files.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
         stems.sort();

@@ -22,7 +22,7 @@
 //! drawing cannot stand in a library: set it beside the tool.
 
 use super::{NONE, file, short, version};
-use crate::registry::Cutters;
+use crate::services::Cutters;
 use carvegraph_core::ron::{Form, Item, Name, Value, parse};
 use carvegraph_core::source::Source;
 use carvegraph_core::units::Dimension;

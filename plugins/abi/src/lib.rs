@@ -6,7 +6,7 @@
 //!
 //! # How a library is read
 //! It exports one constant, [`SYMBOL`], a [`Plugin`]. The host looks at the magic, then at the major
-//! version, then calls `init`, then asks for a table by [capability](capability). A table lists what
+//! version, then calls `init`, then asks for a table by [capability]. A table lists what
 //! the plugin offers; each entry is described and called by its index.
 //!
 //! # Rules
@@ -120,7 +120,7 @@ pub struct Host {
     /// Tells how much is done, from 0 to 1; answers [`status::OK`] to go on or [`status::STOPPED`].
     pub progress: unsafe extern "C" fn(run: *const Run, share: f64) -> Status,
     /// Calls `body` with each index below `count` on the host's threads, several at once, and returns
-    /// when all are done. Not to be nested.
+    /// when all are done. A loop within a loop runs on one thread.
     pub parallel_for: unsafe extern "C" fn(
         run: *const Run,
         count: usize,
@@ -179,7 +179,7 @@ pub struct Dimension {
     pub name: Text,
     /// What it measures, in a line.
     pub about: Text,
-    /// See [`unit`].
+    /// See [`mod@unit`].
     pub unit: u32,
     /// 0.
     pub reserved: u32,

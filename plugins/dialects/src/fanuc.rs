@@ -1,3 +1,16 @@
+//! Fanuc 0i, 16i, 18i, 30i and those that follow them.
+//!
+//! * Without its decimal point a number counts micrometres: all have one. `G4 P` has none, it
+//!   counts milliseconds.
+//! * `%`, then `O` and four digits; 8000 to 9999 are reserved. Another `%` ends the file, so no
+//!   comment holds one; nor a `:`, which is an `O` in ISO code.
+//! * An arc of 180° at most, by I, J, K, is understood everywhere.
+//! * `G28` goes by way of the point it names: in `G91` by way of where the tool is, straight up. In
+//!   `G90` it would go by way of the work.
+//! * `G43 H` stands in the block that moves Z: alone, some move Z by the tool's length at once.
+//!   There is no `G49`, which would drop the tip by a length that a program without a tool change
+//!   leaves in force; such a program says that Z must have been zeroed with its tool.
+
 use crate::comment::{CommentStyle, brackets};
 use crate::front::Arcs;
 use crate::iso6983;

@@ -1,3 +1,10 @@
+//! FluidNC, GRBL's successor on the ESP32.
+//!
+//! Source: bdring/FluidNC, `GCode.cpp` and `Spindle.cpp`. As GRBL, but with lines of 255 characters
+//! and tool changes: M6 runs what its `config.yaml` names by `atc` or `m6_macro`, which also sees to
+//! the tool's length; there is no `G43`. Where neither is named it accepts the M6, changes nothing
+//! and says nothing: so the program says it.
+
 use crate::grbl;
 use crate::lines::Lines;
 use crate::rs274::Rs274;

@@ -1,3 +1,10 @@
+//! GRBL 1.1, the controller of most hobby machines.
+//!
+//! Source: gnea/grbl, `gcode.c` (the words it accepts), `protocol.c` (lines and comments),
+//! `nuts_bolts.c` (dwell). It has no tool change, no tool table and no `G64`; it blends by its own
+//! junction deviation. It takes `!`, `?`, `~` and bytes above 127 out of the stream and acts on
+//! them wherever they stand, even inside a comment. A `%` is an error.
+
 use crate::iso6983;
 use crate::rs274::Rs274;
 

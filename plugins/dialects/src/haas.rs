@@ -1,3 +1,12 @@
+//! Haas mills.
+//!
+//! As Fanuc, except:
+//!
+//! * `O` and five digits, up to 99999.
+//! * Z goes up by `G53 G0 Z0.`, in the machine's own coordinates: no point in between.
+//! * Rapids may be dog-legs that leave the straight line: each moves one axis.
+//! * `G187 P3 E` sets the path tolerance, until M30. Brackets do not nest.
+
 use crate::fanuc;
 use crate::lines::{Lines, ProgramNumber};
 use crate::rs274::Rs274;

@@ -1,3 +1,9 @@
+//! ISO 6983, the plain baseline.
+//!
+//! For controllers without a dialect of their own, and what the others of the family refine: all of
+//! [`Rs274`] is said here once. Arcs by I, J, K from the start, no block numbers, nothing that only
+//! some controllers know; a tool change takes up the tool's length by `G43 H`.
+
 use crate::comment::brackets;
 use crate::front::Arcs;
 use crate::lines::{Lines, ProgramNumber};

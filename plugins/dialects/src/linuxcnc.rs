@@ -1,3 +1,17 @@
+//! LinuxCNC 2.8 and later.
+//!
+//! Source: its `interp_convert.cc`, `interp_arc.cc` and the G-code pages of its manual. Without a
+//! `G64 P` it rounds corners as far as it likes to keep its speed, so a relief loses its detail:
+//! the path tolerance is always given, as `P` (how far blending may leave the path) and as `Q` (how
+//! far points may lie from a line they are merged into), which may add up.
+//!
+//! The head holds no `G49`: an operator who has touched off with a tool's length in force would find
+//! the tip that much lower. A tool change takes up the new length by `G43`. A program ends by `M2`;
+//! there is no `%`, which is an error unless there are two. `N` is discouraged.
+//!
+//! Comments can be orders: `(LOGOPEN,file)` writes a file, `(py,...)` runs Python. See
+//! [`crate::comment`] for what keeps a recipe's title from being one.
+
 use crate::iso6983;
 use crate::lines::Lines;
 use crate::rs274::Rs274;

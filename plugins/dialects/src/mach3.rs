@@ -1,3 +1,14 @@
+//! Mach3.
+//!
+//! Whether I and J are absolute is a setting of the machine, so `G91.1` is always said; `G64` keeps
+//! it from stopping at every point. M6 runs a macro, which may only ask for the tool; its length is
+//! taken up by `G43 H`. The head cancels a length that is left over by `G49`: a program that then
+//! takes up none says that Z must have been zeroed without.
+//!
+//! `G4 P` is in seconds or milliseconds, as the machine is set. Seconds are written, which are its
+//! default; read as milliseconds the wait would be too short, the other way a thousand times too
+//! long. The program says which.
+
 use crate::iso6983;
 use crate::lines::Lines;
 use crate::rs274::Rs274;

@@ -1,3 +1,12 @@
+//! Marlin 2 with its options for milling.
+//!
+//! * One command a line, and no motion is kept from the line before: each block has its `G`.
+//! * A G0 has no speed of its own but the last F: so rapids have an F.
+//! * M30 deletes a file. A program just ends.
+//! * `G17` to `G19` are options of the build: only arcs in XY are written, others become lines. So
+//!   are `G20`, M3 to M5 and what S means (rpm, percent or 0 to 255): the program says what it needs.
+//! * T selects an extruder: there are no tools. Comments begin with `;`, brackets are none.
+
 use crate::comment::{CommentStyle, brackets};
 use crate::front::Arcs;
 use crate::grbl::SPIN_UP_S;

@@ -1,3 +1,13 @@
+//! Siemens Sinumerik 840D, 840D sl, 828D and One, in their own language.
+//!
+//! * Units by `G710` and `G700`, which switch feeds too; by `G71` and `G70` an F would stay in the
+//!   units that the machine was built in, 25.4 times too fast or too slow.
+//! * `G4 F` waits for seconds.
+//! * T, then M6, then D1, which takes up the tool's length. `TRAORI` is for five axes only.
+//! * `CYCLE832` sets the path tolerance: finishing (1), and 1 for no tolerance of orientation, which
+//!   must not be left out. M30 takes it back.
+//! * `G80` is of its ISO mode, it is not said here. Comments go from `;` to the line's end.
+
 use crate::block::Numbering;
 use crate::comment::{CommentStyle, brackets};
 use crate::iso6983;

@@ -1,3 +1,10 @@
+//! UCCNC.
+//!
+//! It takes its units from the profile and ignores `G20` and `G21`; they stand there for the reader,
+//! and a remark says what the profile must be. Of the planes only XY is sure: a G2 or G3 without its
+//! I and J is skipped in silence, so both are always written and arcs in other planes become lines.
+//! M6 runs a macro. It ignores `N`; a first line of `%` names the program.
+
 use crate::comment::{CommentStyle, brackets};
 use crate::front::Arcs;
 use crate::iso6983;

@@ -2,8 +2,9 @@
 
 use crate::borrow::{self, Given, all_lent, handle, lent};
 use crate::message::{heard, reason};
-use crate::watch::{Line, Silent, watched};
+use crate::watch::{Line, watched};
 use carvegraph_abi::{self as abi, Status, dialect_flag, status};
+use carvegraph_sdk::node::Alone;
 use carvegraph_sdk::{Capabilities, Dialect, PostError, Program, Units};
 use std::ffi::c_void;
 use std::mem::{size_of, zeroed};
@@ -101,7 +102,7 @@ impl Dialect for LibraryDialect {
     fn post(&self, program: &Program<'_>, out: &mut dyn io::Write) -> Result<(), PostError> {
         let texts = Texts::of(program);
         let lent = Lent::of(program, &texts);
-        let ended = watched(&Silent, |bytes| out.write_all(bytes), |line| self.call(&lent, line));
+        let ended = watched(&Alone, |bytes| out.write_all(bytes), |line| self.call(&lent, line));
         let ((answer, said, too_long), written) =
             ended.map_err(|trouble| PostError::Plugin(trouble.to_string()))?;
         written?;

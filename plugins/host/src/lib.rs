@@ -1,6 +1,6 @@
 //! Finds, checks and loads plugins.
 //!
-//! [`discover`] looks into plugin folders; [`Candidate::load`] lets a child process try a library and
+//! [`discover()`] looks into plugin folders; [`Candidate::load`] lets a child process try a library and
 //! then loads it for good. What comes out are the sdk's own traits, whether the plugin is in a library or
 //! [linked]. What a plugin gives is checked before it is believed; what it can't do is harm others: a
 //! panic, a refusal, a crash at load or output without end are messages.
@@ -12,6 +12,7 @@
 #![allow(unsafe_code, reason = "this is the boundary to libraries")]
 
 mod borrow;
+mod candidate;
 mod cutter;
 mod dialect;
 mod discover;

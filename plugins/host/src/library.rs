@@ -3,22 +3,17 @@
 use crate::borrow::{self, Given};
 use crate::cutter::LibraryCutter;
 use crate::dialect::LibraryDialect;
-use crate::discover::Candidate;
 use crate::manifest::Offered;
 use crate::message::{heard, reason};
 use crate::node::LibraryNode;
-use crate::probe::probe;
 use crate::watch::HOST;
 use carvegraph_abi::{self as abi, capability, status};
 use carvegraph_sdk::node::Node;
 use carvegraph_sdk::{CutterShape, Dialect};
 use libloading::Library;
 use std::ffi::c_void;
-use std::fs::File;
-use std::io;
 use std::mem::size_of;
 use std::path::Path;
-use std::process::Command;
 use std::ptr;
 
 /// What a plugin offers.
@@ -42,48 +37,6 @@ impl Plugin {
         let dialects = self.dialects.iter().map(|dialect| dialect.name().to_owned()).collect();
         let nodes = self.nodes.iter().map(|node| node.name().to_owned()).collect();
         Offered { cutters, dialects, nodes }.sorted()
-    }
-}
-
-impl Candidate {
-    /// Tries its library in a process that `child` starts, which must call
-    /// [`examine`](crate::examine), and then loads it.
-    ///
-    /// # Errors
-    /// Why it cannot be used, for a user.
-    pub fn load(&self, child: Command) -> Result<Plugin, String> {
-        let probed = probe(child)?;
-        self.check(&probed.offered)?;
-        let plugin = load(&self.library).map_err(|fault| fault.to_string())?;
-        self.check(&plugin.offered())?;
-        Ok(plugin)
-    }
-
-    /// What a plugin offers must be what it is listed with.
-    fn check(&self, offered: &Offered) -> Result<(), String> {
-        let listed = &self.manifest.offered;
-        for ((sort, listed), (_, offered)) in listed.sorts().into_iter().zip(offered.sorts()) {
-            if listed != offered {
-                return Err(format!(
-                    "its manifest lists the {sort}s {listed:?}, its library offers {offered:?}: \
-                     install it anew"
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// Its version and the first digits of its library's hash, for caches: a library that was built
-    /// anew is another one.
-    ///
-    /// # Errors
-    /// If it cannot be read.
-    pub fn fingerprint(&self) -> io::Result<String> {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(File::open(&self.library)?)?;
-        let hash = hasher.finalize().to_hex();
-        // 64 bits tell apart whatever one user builds.
-        Ok(format!("{} {}", self.manifest.version, &hash[..16]))
     }
 }
 
@@ -148,7 +101,7 @@ const MAX_OFFERS: u32 = 1000;
 /// Loads a library for good and takes what it offers.
 ///
 /// A library can do anything when it is loaded, so this is to be called for those that the user put into
-/// a plugin folder, after [`probe`](crate::probe) has seen that the process survives it.
+/// a plugin folder, after [`probe`](crate::probe()) has seen that the process survives it.
 ///
 /// # Errors
 /// If the system can't load it, or it does not keep the rules.

@@ -11,7 +11,7 @@ use std::ffi::c_void;
 use std::io;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread;
+use std::thread::{self, ThreadId};
 
 /// A plugin that was told so many times to stop does not listen.
 const WARNINGS: u32 = 10_000;
@@ -28,24 +28,6 @@ pub(crate) enum Trouble {
     /// The system gives no thread.
     #[error("the system gives no thread to run it on: {0}")]
     NoThread(io::Error),
-}
-
-/// For calls that nobody listens to.
-pub(crate) struct Silent;
-
-impl Services for Silent {
-    fn note(&self, _: &str) {}
-
-    fn warn(&self, _: &str) {}
-
-    fn progress(&self, _: f64) -> bool {
-        true
-    }
-
-    fn parallel_for(&self, count: usize, body: &(dyn Fn(usize) + Sync)) -> bool {
-        (0..count).for_each(body);
-        true
-    }
 }
 
 /// What the plugin's thread asks of the waiting one.
@@ -80,6 +62,8 @@ pub(crate) struct Line<'a> {
     ask: &'a dyn Ask,
     services: &'a dyn Services,
     warnings: AtomicU32,
+    /// The plugin's own thread.
+    thread: ThreadId,
 }
 
 /// Asks for something and waits until it is done; whether to go on.
@@ -95,20 +79,24 @@ struct Asking<T> {
 }
 
 impl<T> Asking<T> {
-    fn ask(&self, request: Request<T>) -> bool {
-        // Loops may not be nested, so nobody else waits here; poison means nothing to a receiver.
-        let answers = self.answers.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        self.requests.send(request).is_ok() && answers.recv().unwrap_or(false)
+    /// What the waiting thread answers; `None` if it is busy with a loop, which this is called from.
+    fn ask(&self, request: Request<T>) -> Option<bool> {
+        let answers = self.answers.try_lock().ok()?;
+        Some(self.requests.send(request).is_ok() && answers.recv().unwrap_or(false))
     }
 }
 
 impl<T: Send> Ask for Asking<T> {
     fn write(&self, bytes: Vec<u8>) -> bool {
-        self.ask(Request::Write(bytes))
+        self.ask(Request::Write(bytes)).unwrap_or(false)
     }
 
     fn run_loop(&self, count: usize, body: Body) -> bool {
-        self.ask(Request::Loop { count, body })
+        self.ask(Request::Loop { count, body }).unwrap_or_else(|| {
+            // A loop within a loop, on one of the threads that run the outer one.
+            (0..count).for_each(|index| body.call(index));
+            true
+        })
     }
 
     fn runaway(&self) {
@@ -123,9 +111,11 @@ impl Line<'_> {
         self.ask.write(bytes)
     }
 
-    /// To be called each time the plugin is told to stop. Does not return to one that won't listen.
+    /// To be called each time the plugin is told to stop. Does not return to one that won't listen,
+    /// unless it is on a thread of the pool, which others need.
     pub(crate) fn warned(&self) -> Status {
-        if self.warnings.fetch_add(1, Ordering::Relaxed) < WARNINGS {
+        let warnings = self.warnings.fetch_add(1, Ordering::Relaxed);
+        if warnings < WARNINGS || thread::current().id() != self.thread {
             return status::STOPPED;
         }
         self.ask.runaway();
@@ -157,7 +147,8 @@ pub(crate) fn watched<T: Send>(
     let (answer, answers) = sync_channel::<bool>(1);
     let asking = Asking { requests, answers: answers.into() };
     let work = move || {
-        let line = Line { ask: &asking, services, warnings: AtomicU32::new(0) };
+        let (warnings, thread) = (AtomicU32::new(0), thread::current().id());
+        let line = Line { ask: &asking, services, warnings, thread };
         let result = call(&line);
         // The caller waits for this, unless it has gone on.
         let _ = asking.requests.send(Request::Done(result));
@@ -231,5 +222,70 @@ unsafe extern "C" fn parallel_for(
         Some(line) if line.ask.run_loop(count, body) => status::OK,
         Some(line) => line.warned(),
         None => status::FAILED,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use carvegraph_sdk::node::Alone;
+    use std::sync::atomic::AtomicUsize;
+
+    #[test]
+    fn output_goes_to_the_caller_in_order() {
+        let mut taken = Vec::new();
+        let take = |bytes: &[u8]| {
+            taken.extend_from_slice(bytes);
+            Ok(())
+        };
+        let ended = watched(&Alone, take, |line| line.write(vec![1, 2]) && line.write(vec![3]));
+        assert!(ended.unwrap().0);
+        assert_eq!(taken, [1, 2, 3]);
+    }
+
+    #[test]
+    fn one_that_will_not_stop_is_left_behind() {
+        let refuse = |_: &[u8]| Err(io::Error::other("full"));
+        let deaf = |line: &Line<'_>| {
+            while line.write(vec![1]) || line.warned() == status::STOPPED {}
+        };
+        let ended = watched(&Alone, refuse, deaf);
+        assert!(matches!(ended, Err(Trouble::Runaway)));
+    }
+
+    unsafe extern "C" fn count(data: *mut c_void, _: usize) {
+        // SAFETY: the counter of the test, which waits.
+        unsafe { &*data.cast::<AtomicUsize>() }.fetch_add(1, Ordering::Relaxed);
+    }
+
+    struct Nested<'a> {
+        line: &'a Line<'a>,
+        counter: &'a AtomicUsize,
+    }
+
+    unsafe extern "C" fn count_within(data: *mut c_void, _: usize) {
+        // SAFETY: the test's, which waits.
+        let nested = unsafe { &*data.cast::<Nested<'_>>() };
+        let counter = std::ptr::from_ref(nested.counter).cast_mut().cast();
+        // SAFETY: likewise.
+        let answer = unsafe { parallel_for(nested.line.handle(), 10, count, counter) };
+        assert_eq!(answer, status::OK);
+    }
+
+    #[test]
+    fn loops_and_loops_within_them_run_on_the_callers_side() {
+        let counter = AtomicUsize::new(0);
+        let ended = watched(
+            &Alone,
+            |_| Ok(()),
+            |line| {
+                let mut nested = Nested { line, counter: &counter };
+                let data = std::ptr::from_mut(&mut nested).cast();
+                // SAFETY: `nested` lives until the loop is done.
+                unsafe { parallel_for(line.handle(), 7, count_within, data) }
+            },
+        );
+        assert_eq!(ended.unwrap().0, status::OK);
+        assert_eq!(counter.into_inner(), 70);
     }
 }

@@ -280,3 +280,66 @@ fn a_dialect_is_begun_changed_and_used() {
     let doctor = bench.carve(&[&["plugins", "doctor"][..], &plugins].concat()).out;
     assert!(doctor.contains("plugins/mine.ron:2:3"), "{doctor}");
 }
+
+#[test]
+fn machines_and_tools_of_a_plugin_folder_are_used_by_name() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("plugins")).unwrap();
+    bench.write("mine.ron", "Dialect(format: 1, parent: \"grbl\", extension: \"cnc\")");
+    bench.write(
+        "garage.ron",
+        "Machine(format: 1, dialect: \"mine\", travel: (x: 90, y: 90, z: 40), spindle: (min: 5000, max: 9000))",
+    );
+    bench.write(
+        "drawer.ron",
+        "Tools(format: 1, tools: {\"stub\": (shape: \"ball\", dimensions: {\"diameter\": 2}, \
+         materials: {\"lime\": (feed: 777, plunge: 333, spindle: 8000)})})",
+    );
+    for (file, sort) in [("mine", "dialect"), ("garage", "machine"), ("drawer", "tools")] {
+        let file = format!("{file}.ron");
+        let installed = bench.carve(&["plugins", "install", &file, "--plugins", "plugins"]);
+        assert_eq!(installed.out, format!("{sort} plugins/{file}\n"), "{}", installed.err);
+    }
+    let listed = |list: &str| bench.carve(&[list, "--plugins", "plugins"]).out;
+    assert!(listed("machines").contains("garage"), "{}", listed("machines"));
+    assert!(listed("tools").contains("stub"), "{}", listed("tools"));
+    let chosen = ["machine=garage", "tool=stub", "material=lime"];
+    let answer = relief(&bench, &chosen);
+    assert_eq!(answer.status, 0, "{}", answer.err);
+    let program = bench.text("out/medallion.cnc");
+    assert!(program.contains("S8000") && program.contains("F777.0"), "{}", &program[..400]);
+    let too_large =
+        relief(&bench, &[&chosen[..], &["canvas_width=95", "canvas_height=95"]].concat());
+    assert_eq!(too_large.status, 2, "{}", too_large.err);
+    for axis in ["X needs", "Y needs"] {
+        assert!(too_large.err.contains(axis), "{}", too_large.err);
+    }
+    assert!(too_large.err.contains("the machine travels 90 mm: "), "{}", too_large.err);
+    let too_fast = relief(&bench, &[&chosen[..], &["spindle=12000"]].concat());
+    assert_eq!(too_fast.status, 2, "{}", too_fast.err);
+    assert!(too_fast.err.contains("3000 rpm too fast"), "{}", too_fast.err);
+}
+
+#[test]
+fn files_that_name_what_there_is_not_are_not_installed() {
+    let bench = Bench::new();
+    for (text, why) in [
+        (
+            "Machine(format: 1, dialect: \"gbrl\", travel: (x: 1, y: 1, z: 1))",
+            "did you mean \"grbl\"?",
+        ),
+        ("Tools(format: 1, tools: {\"a\": (shape: \"bal\")})", "did you mean \"ball\"?"),
+        ("Tools(format: 1, tools: {\"ball_6\": (shape: \"ball\")})", "which carve has already"),
+        (
+            "Dialect(format: 1, parent: \"grbl\", name: \"haas\")",
+            "\"haas\" is one of the standard dialects",
+        ),
+        ("Recipe(format: 1)", "it begins with none of Dialect(, Machine( and Tools("),
+    ] {
+        bench.write("mine.ron", text);
+        let answer = bench.carve(&["plugins", "install", "mine.ron", "--plugins", "plugins"]);
+        assert_eq!(answer.status, 2, "{text}");
+        assert!(answer.err.contains(why), "{text}: {}", answer.err);
+        assert!(!bench.path("plugins").exists(), "{text}");
+    }
+}

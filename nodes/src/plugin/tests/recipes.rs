@@ -2,8 +2,8 @@
 
 use super::super::crossing::CROSSINGS;
 use super::*;
+use crate::assemble::registry;
 use crate::offers::{Batch, Offers};
-use crate::registry::registry;
 use carvegraph_core::source::Source;
 use carvegraph_core::{
     Graph, Library, NodeReport, Observer, Origin, Plan, Recipe, Registry, RunOptions, RunReport,
@@ -65,7 +65,8 @@ impl Dialect for Grbl {
 fn shop(extra: Vec<NodeKind>) -> Registry {
     let batch =
         Batch { cutters: vec![Box::new(Ball)], dialects: vec![Box::new(Grbl)], ..Batch::default() };
-    let mut offers = Offers { nodes: extra, ..Offers::default() };
+    let mut offers = Offers::default();
+    offers.nodes = extra;
     offers.add(batch, "test").unwrap();
     registry(offers).unwrap()
 }

@@ -29,7 +29,8 @@ pub trait Services: Sync {
     fn progress(&self, share: f64) -> bool;
 
     /// Calls `body` with each index below `count`, several at once and in no order; answers whether it
-    /// was called with all of them, or the work was called off. Not to be nested.
+    /// was called with all of them, or the work was called off. A loop within a loop runs on one
+    /// thread.
     fn parallel_for(&self, count: usize, body: &(dyn Fn(usize) + Sync)) -> bool;
 }
 
@@ -166,7 +167,8 @@ impl<'a> Job<'a> {
         done(self.services.progress(share))
     }
 
-    /// Calls `body` with each index below `count`, several at once and in no order. Not to be nested.
+    /// Calls `body` with each index below `count`, several at once and in no order. A loop within a
+    /// loop runs on one thread.
     ///
     /// # Errors
     /// [`NodeFault::Cancelled`] if the work was called off; pass it on with `?`.
@@ -176,7 +178,7 @@ impl<'a> Job<'a> {
 
     /// Cuts `elements` into chunks of `size` (the last may be shorter; 0 counts as 1) and calls `body`
     /// with each and its number, several at once and in no order: a grid's rows, if `size` is the number
-    /// of its columns. Not to be nested.
+    /// of its columns. A loop within a loop runs on one thread.
     ///
     /// # Errors
     /// [`NodeFault::Cancelled`] if the work was called off; pass it on with `?`.

@@ -77,7 +77,7 @@ mod trial;
 
 pub use definition::{DefinitionError, UNITS, check_definition, check_outputs};
 pub use job::{Argument, Job, Services};
-pub use trial::Trial;
+pub use trial::{Alone, Trial};
 
 use crate::value::{Raw, ValueError};
 

@@ -139,7 +139,7 @@ fn arguments_and_inputs_that_do_not_fit_are_refused() {
     assert_eq!(refusal(trial().set("count", 0)), "the parameter \"count\" cannot be Integer(0)");
     assert_eq!(refusal(trial().set("how", "up")), "the parameter \"how\" cannot be Text(\"up\")");
     assert_eq!(
-        Job::new(&toy, &[], &[], &crate::node::trial::Alone).err(),
+        Job::new(&toy, &[], &[], &crate::node::Alone).err(),
         Some(NodeFault::Failed("the node has 5 parameters and was given 0".to_owned()))
     );
 }

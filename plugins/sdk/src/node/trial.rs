@@ -64,8 +64,9 @@ fn place_of<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> usize {
     place.unwrap_or_else(|| panic!("{name:?} is none of {}", known.join(", ")))
 }
 
-/// Nobody listens, and nobody calls anything off.
-pub(super) struct Alone;
+/// For work that nobody listens to and nobody calls off, on one thread.
+#[derive(Clone, Copy, Debug)]
+pub struct Alone;
 
 impl Services for Alone {
     fn note(&self, _: &str) {}
