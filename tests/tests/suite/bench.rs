@@ -36,6 +36,11 @@ impl Bench {
         Self { folder: tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap() }
     }
 
+    /// One that lies outside of the workspace, which cargo would take a project in it to belong to.
+    pub(crate) fn outside() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }

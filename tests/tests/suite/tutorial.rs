@@ -106,7 +106,7 @@ fn the_tutorial_works_as_it_is_written() {
     if !can_follow() {
         return;
     }
-    let bench = Bench::new();
+    let bench = Bench::outside();
     let (out, err) = follow(&bench, &text_of("docs/plugins.md"), "");
     for program in ["my-dialect/out/medallion.cnc", "my-rust-dialect/out/medallion.nc"] {
         assert!(bench.text(program).lines().count() > 1000, "{program}");
@@ -154,7 +154,7 @@ fn the_examples_work_as_they_say() {
         return;
     }
     for example in ["cutter-rust", "dialect-rust", "node-rust", "dialect-c", "dialect-ron"] {
-        let bench = Bench::new();
+        let bench = Bench::outside();
         let folder = lay_out(&bench, example);
         follow(&bench, &text_of(&format!("{folder}/README.md")), &folder);
         let made = bench.files(&format!("{folder}/out"));
