@@ -56,7 +56,7 @@ fn slack(bounds: Bounds) -> f64 {
 
 /// Heights of the top of `mesh` over `grid`, which starts at the near left corner of `bounds`, the
 /// mesh's own. Row by row from y = 0; `floor` where there is nothing. `tick` is told of triangles, all
-/// of them [`SLABS`] times.
+/// of them `SLABS` times.
 pub fn mesh_to_field(
     mesh: &Mesh,
     bounds: Bounds,

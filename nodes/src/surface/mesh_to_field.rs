@@ -2,7 +2,7 @@
 //! meshes.
 //!
 //! Exact at every node: the highest facet, edge or vertex over it, see
-//! [`mesh_to_field`](carvegraph_geometry::mesh_to_field). Between nodes the surface is flat in pieces,
+//! [`mesh_to_field`]. Between nodes the surface is flat in pieces,
 //! so an edge of the mesh between two nodes is rounded off over one pitch. What lies below an overhang
 //! is not seen; no three-axis cutter gets there either.
 
