@@ -10,8 +10,9 @@ use std::ffi::c_void;
 use std::mem::{size_of, zeroed};
 use std::{io, ptr, slice};
 
-/// Bytes that go from the plugin's thread to the caller's at once.
-const CHUNK_BYTES: usize = 1 << 16;
+/// Bytes that go from the plugin's thread to the caller's at once. Each time costs two threads a
+/// waking, some tens of microseconds; with 64 KiB that showed in a program of 10 MB.
+const CHUNK_BYTES: usize = 1 << 20;
 
 /// What a program may have besides what its commands need: a long head.
 const MAX_HEAD_BYTES: usize = 64 << 20;
