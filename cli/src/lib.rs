@@ -58,9 +58,12 @@ pub fn main() -> ExitCode {
 }
 
 fn obey(command: Command, given: &[PathBuf]) -> Result<Exit, Refusal> {
-    let registry = || full_registry(given);
+    let registry = || full_registry(given, false);
     match command {
-        Command::Run(arguments) => return run::run(&arguments, &registry()?),
+        Command::Run(arguments) => {
+            let registry = full_registry(given, arguments.quiet)?;
+            return run::run(&arguments, &registry);
+        }
         Command::Check { job } => {
             let registry = registry()?;
             let (_, graph) = build(&job, &registry)?;
@@ -114,8 +117,16 @@ fn manage(action: Option<PluginAction>, given: &[PathBuf]) -> Result<Exit, Refus
 }
 
 /// All that recipes can use. What cannot be used is told, and no harm to a recipe that does not need it.
-fn full_registry(given: &[PathBuf]) -> Result<Registry, Refusal> {
+fn full_registry(given: &[PathBuf], quiet: bool) -> Result<Registry, Refusal> {
     let brought = Brought::load(plugins::found(&plugins::folders(given)?));
+    if !quiet {
+        warn(&brought);
+    }
+    brought.registry().map_err(|fault| Refusal(format!("error: {fault}")))
+}
+
+/// Tells what is left out.
+fn warn(brought: &Brought) {
     for fault in &brought.faults {
         let first = plugins::without_error(&fault.why).lines().next().unwrap_or_default();
         complain(&format!("warning: {} is left out: {first}", fault.path.display()));
@@ -123,7 +134,6 @@ fn full_registry(given: &[PathBuf]) -> Result<Registry, Refusal> {
     if !brought.faults.is_empty() {
         complain("  = help: carve plugins doctor tells more");
     }
-    brought.registry().map_err(|fault| Refusal(format!("error: {fault}")))
 }
 
 /// Opens and checks the recipe of a job.

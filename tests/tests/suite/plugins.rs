@@ -56,6 +56,9 @@ fn assert_harmless(bench: &Bench, why: &str) {
     assert_eq!(without.status, 0, "{}", without.err);
     assert!(without.err.contains(why) && without.err.contains("is left out"), "{}", without.err);
     assert!(without.out.contains("medallion.nc"), "{}", without.out);
+    let quiet = [&["run", "relief", "--quiet", "--plugins", "plugins"], &QUICK[..]].concat();
+    let quiet = bench.carve(&quiet);
+    assert_eq!((quiet.status, quiet.err.as_str()), (0, ""));
     let with = relief(bench, &["dialect=plain"]);
     assert_eq!(with.status, 2, "{}", with.err);
     let told = "dialect cannot be \"plain\": plugin \"bad\" offers it but cannot be used: ";

@@ -46,12 +46,10 @@ fn shelf<P: Offer>() -> &'static Shelf {
     })
 }
 
-/// The number of things on one board of the shelf; none if making them panics, which the first call of
-/// one of them then tells.
+/// The number of things on one board of the shelf; one if making them panics, so that a call of it tells.
 pub(super) fn count<P: Offer, T: 'static>(
     board: impl Fn(&'static Shelf) -> &'static Vec<T>,
 ) -> u32 {
-    // One that cannot be described is better than none: its description says why.
     guard::run(|| board(shelf::<P>()).len() as u32).unwrap_or(1)
 }
 
