@@ -26,7 +26,9 @@ mod toolpath;
 
 pub use bounds::Bounds;
 pub use defects::{Defects, find_defects};
-pub use drop_cutter::{Against, DropError, drop_on_height_field, drop_on_mesh, drop_on_points};
+pub use drop_cutter::{
+    Against, DropCutter, DropError, Surface, drop_on_height_field, drop_on_mesh, drop_on_points,
+};
 pub use glam::{DAffine3, DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
 pub use link::{LinkError, link_passes};

@@ -39,14 +39,14 @@ const ALPHA: [[f64; 6]; 2] = [[1.0, 1.0, 0.0, -1.0, -1.0, 0.0], [-1.0, 0.0, 1.0,
 const BETA: [[f64; 6]; 2] = [[0.0, -1.0, -1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, -1.0, -1.0, 0.0]];
 
 /// Probe for a ball against the mesh.
-pub(super) struct AroundNode<'a> {
-    pub(super) ball: &'a Ball,
+pub(super) struct AroundNode {
+    pub(super) ball: Ball,
     pub(super) gauge: BulgeGauge,
     /// Pitch / R.
     pub(super) pitch: f64,
 }
 
-impl Probe for AroundNode<'_> {
+impl Probe for AroundNode {
     #[inline]
     fn reach(&self) -> f64 {
         self.pitch
@@ -91,7 +91,7 @@ impl Probe for AroundNode<'_> {
 
     #[inline]
     fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
-        drop_on_node(self.ball, ground, at, i, j, best);
+        drop_on_node(&self.ball, ground, at, i, j, best);
     }
 }
 

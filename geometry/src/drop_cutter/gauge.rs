@@ -8,7 +8,7 @@ use super::shape::Shape;
 use wide::f32x4;
 
 /// Answers which of four heights can matter, as bits. See [`super::search::Probe::may_touch`].
-pub(super) trait Gauge: Sync {
+pub(super) trait Gauge: Sync + Send {
     /// `x` and `y` are distances from the axis, not negative.
     fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32;
 

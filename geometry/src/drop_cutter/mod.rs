@@ -13,6 +13,8 @@
 //! 4. What remains is tested exactly ([`probes`]), in closed form for balls and flats, by pieces for
 //!    any other profile. The shape is read off the profile's segments, never from a name.
 //!
+//! Either index serves one cutter and any number of patterns ([`DropCutter`], in [`prepared`]).
+//!
 //! Meshes and points that lie anywhere ([`on_mesh`]) go the same way: [`boxes`] take the place of the
 //! pyramid, and [`facet`] that of the probes, over the same closed forms.
 //!
@@ -35,6 +37,7 @@ mod general;
 mod on_height_field;
 mod on_mesh;
 mod places;
+mod prepared;
 mod probes;
 mod pyramid;
 mod search;
@@ -44,3 +47,4 @@ mod shape;
 use crate::Profile;
 pub use on_height_field::{Against, drop_on_height_field};
 pub use on_mesh::{DropError, drop_on_mesh, drop_on_points};
+pub use prepared::{DropCutter, Surface};

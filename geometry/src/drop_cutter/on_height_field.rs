@@ -6,7 +6,7 @@ use super::best::{Best, Place};
 use super::flat::Flat;
 use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, Nearer, TableGauge};
 use super::general::General;
-use super::places::drop_at_places;
+use super::places::{Ready, drop_at_places};
 use super::probes::{Peaks, Vertices};
 use super::search::{Ground, Probe};
 use super::shape::{Shape, ShapeKind};
@@ -41,78 +41,77 @@ pub fn drop_on_height_field(
     floor_z_mm: f64,
     tick: Tick,
 ) -> Option<Toolpath> {
-    let ground = Ground::new(field, profile.radius_mm(), tick)?;
-    let job = Job { ground: &ground, pattern, floor_z_mm, tick };
-    match ShapeKind::of(profile) {
-        ShapeKind::Ball => job.drop_ball(&Ball { radius: profile.radius_mm() }, against),
-        ShapeKind::Flat => {
-            let flat = Flat { radius: profile.radius_mm() };
-            job.drop_shape(&flat, FlatGauge, against)
-        }
-        ShapeKind::General => {
-            let general = General::new(profile);
-            let gauge = TableGauge::new(&general, profile.height(profile.radius_mm()));
-            job.drop_shape(&general, gauge, against)
-        }
-    }
+    ready(field, against, profile, tick)?.path(pattern, floor_z_mm, tick)
 }
 
-struct Job<'a> {
-    ground: &'a Ground<'a>,
-    pattern: &'a Pattern,
-    floor_z_mm: f64,
-    tick: Tick<'a>,
-}
-
-impl Job<'_> {
-    /// Pitch / R.
-    fn pitch(&self, shape: &impl Shape) -> f64 {
-        self.ground.pitch / shape.radius()
-    }
-
-    fn drop_shape<S: Shape>(
-        &self,
-        shape: &S,
-        gauge: impl Gauge,
-        against: Against,
-    ) -> Option<Toolpath> {
-        match against {
-            Against::Points => self.run(&Vertices { shape, gauge }),
-            Against::Mesh => {
-                let pitch = self.pitch(shape);
-                let by = (pitch * (1.0 + 1e-6)) as f32;
-                self.run(&Peaks { shape, gauge: Nearer { by, gauge }, pitch })
+/// A field with its index, for one cutter. `None` if `tick` stopped the work.
+pub(super) fn ready<'a>(
+    field: &'a HeightField,
+    against: Against,
+    profile: &Profile,
+    tick: Tick,
+) -> Option<Box<dyn Ready + 'a>> {
+    let radius = profile.radius_mm();
+    let ground = Ground::new(field, radius, tick)?;
+    // Pitch / R.
+    let pitch = ground.pitch / radius;
+    Some(match ShapeKind::of(profile) {
+        ShapeKind::Ball => {
+            let ball = Ball { radius };
+            match BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) {
+                Some(gauge) => on(ground, AroundNode { ball, gauge, pitch }),
+                None => with_shape(ground, ball, BallGauge, against),
             }
         }
-    }
+        ShapeKind::Flat => with_shape(ground, Flat { radius }, FlatGauge, against),
+        ShapeKind::General => {
+            let general = General::new(profile);
+            let gauge = TableGauge::new(&general, profile.height(radius));
+            with_shape(ground, general, gauge, against)
+        }
+    })
+}
 
-    fn drop_ball(&self, ball: &Ball, against: Against) -> Option<Toolpath> {
-        let pitch = self.pitch(ball);
-        match BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) {
-            Some(gauge) => self.run(&AroundNode { ball, gauge, pitch }),
-            None => self.drop_shape(ball, BallGauge, against),
+fn with_shape<'a>(
+    ground: Ground<'a>,
+    shape: impl Shape + 'a,
+    gauge: impl Gauge + 'a,
+    against: Against,
+) -> Box<dyn Ready + 'a> {
+    match against {
+        Against::Points => on(ground, Vertices { shape, gauge }),
+        Against::Mesh => {
+            let pitch = ground.pitch / shape.radius();
+            let by = (pitch * (1.0 + 1e-6)) as f32;
+            on(ground, Peaks { shape, gauge: Nearer { by, gauge }, pitch })
         }
     }
+}
 
-    /// Searches with `probe` at each place.
-    fn run<P: Probe + Sync>(&self, probe: &P) -> Option<Toolpath> {
-        drop_at_places(self.pattern, self.floor_z_mm, self.tick, |at, known, best| {
-            self.start(probe, at, known, best);
-            self.ground.search(probe, at, best);
+fn on<'a>(ground: Ground<'a>, probe: impl Probe + Sync + Send + 'a) -> Box<dyn Ready + 'a> {
+    Box::new(OnField { ground, probe })
+}
+
+struct OnField<'a, P> {
+    ground: Ground<'a>,
+    probe: P,
+}
+
+impl<P: Probe + Sync + Send> Ready for OnField<'_, P> {
+    fn path(&self, pattern: &Pattern, floor_z_mm: f64, tick: Tick) -> Option<Toolpath> {
+        drop_at_places(pattern, floor_z_mm, tick, |at, known, best| {
+            self.start(at, known, best);
+            self.ground.search(&self.probe, at, best);
         })
     }
+}
 
+impl<P: Probe> OnField<'_, P> {
     /// Visits nodes that are likely near the contact: the one at the place before, the one as far
     /// along as the cutter has moved since; or else the one under the axis.
     #[inline]
-    fn start<P: Probe>(
-        &self,
-        probe: &P,
-        at: DVec2,
-        known: Option<(DVec2, Place)>,
-        best: &mut Best,
-    ) {
-        let ground = self.ground;
+    fn start(&self, at: DVec2, known: Option<(DVec2, Place)>, best: &mut Best) {
+        let Self { ground, probe } = self;
         let Some((before, (i, j))) = known else {
             let (i, j) = ground.nearest(at);
             return probe.glance(ground, at, i, j, best);

@@ -7,7 +7,7 @@ use super::facet::drop_on_triangle;
 use super::flat::Flat;
 use super::gauge::{BallGauge, FlatGauge, Gauge, TableGauge};
 use super::general::General;
-use super::places::drop_at_places;
+use super::places::{Ready, drop_at_places};
 use super::shape::{Shape, ShapeKind};
 use crate::{ContactKind, Mesh, Pattern, PointCloud, Profile, Tick, Toolpath};
 use glam::{DVec2, DVec3};
@@ -58,6 +58,15 @@ pub fn drop_on_mesh(
     floor_z_mm: f64,
     tick: Tick,
 ) -> Result<Toolpath, DropError> {
+    ready_mesh(mesh, profile, tick)?.path(pattern, floor_z_mm, tick).ok_or(DropError::Stopped)
+}
+
+/// A mesh with its index, for one cutter.
+pub(super) fn ready_mesh<'a>(
+    mesh: &'a Mesh,
+    profile: &Profile,
+    tick: Tick,
+) -> Result<Box<dyn Ready + 'a>, DropError> {
     check_points(&mesh.vertices)?;
     check_triangles(mesh)?;
     let radius = profile.radius_mm();
@@ -65,8 +74,7 @@ pub fn drop_on_mesh(
     let (boxes, order) = built.ok_or(DropError::Stopped)?;
     // In the order of the index, so that what is looked at together lies together.
     let triangles: Vec<_> = order.into_par_iter().map(|t| mesh.triangles[t as usize]).collect();
-    let surface = Triangles { vertices: &mesh.vertices, triangles };
-    Job { boxes, surface, pattern, floor_z_mm, tick }.drop(profile)
+    Ok(with_shape(boxes, Triangles { vertices: &mesh.vertices, triangles }, profile))
 }
 
 /// Lowers a cutter on points at each point of `pattern`: the vertex test alone. It is right where
@@ -84,12 +92,21 @@ pub fn drop_on_points(
     floor_z_mm: f64,
     tick: Tick,
 ) -> Result<Toolpath, DropError> {
+    ready_points(cloud, profile, tick)?.path(pattern, floor_z_mm, tick).ok_or(DropError::Stopped)
+}
+
+/// Points with their index, for one cutter.
+pub(super) fn ready_points(
+    cloud: &PointCloud,
+    profile: &Profile,
+    tick: Tick,
+) -> Result<Box<dyn Ready>, DropError> {
     check_points(&cloud.points)?;
     let points = &cloud.points;
     let built = Boxes::build(points.len(), |k| [points[k]; 3], profile.radius_mm(), tick);
     let (boxes, order) = built.ok_or(DropError::Stopped)?;
-    let surface = Points(order.into_par_iter().map(|k| points[k as usize]).collect());
-    Job { boxes, surface, pattern, floor_z_mm, tick }.drop(profile)
+    let points = order.into_par_iter().map(|k| points[k as usize]).collect();
+    Ok(with_shape(boxes, Points(points), profile))
 }
 
 fn check_points(points: &[DVec3]) -> Result<(), DropError> {
@@ -113,7 +130,7 @@ fn check_count(count: usize) -> Result<(), DropError> {
 }
 
 /// What is touched: things by their number in the index.
-trait Surface: Sync {
+trait Things: Sync + Send {
     fn drop(&self, shape: &impl Shape, item: usize, at: DVec2, best: &mut Best);
 }
 
@@ -122,7 +139,7 @@ struct Triangles<'a> {
     triangles: Vec<[u32; 3]>,
 }
 
-impl Surface for Triangles<'_> {
+impl Things for Triangles<'_> {
     #[inline]
     fn drop(&self, shape: &impl Shape, item: usize, at: DVec2, best: &mut Best) {
         let corners = self.triangles[item].map(|v| self.vertices[v as usize]);
@@ -132,7 +149,7 @@ impl Surface for Triangles<'_> {
 
 struct Points(Vec<DVec3>);
 
-impl Surface for Points {
+impl Things for Points {
     #[inline]
     fn drop(&self, shape: &impl Shape, item: usize, at: DVec2, best: &mut Best) {
         let point = self.0[item];
@@ -141,40 +158,48 @@ impl Surface for Points {
     }
 }
 
-struct Job<'a, S> {
+fn with_shape<'a>(
     boxes: Boxes,
-    surface: S,
-    pattern: &'a Pattern,
-    floor_z_mm: f64,
-    tick: Tick<'a>,
+    surface: impl Things + 'a,
+    profile: &Profile,
+) -> Box<dyn Ready + 'a> {
+    let radius = profile.radius_mm();
+    match ShapeKind::of(profile) {
+        ShapeKind::Ball => {
+            Box::new(OnThings { boxes, surface, shape: Ball { radius }, gauge: BallGauge })
+        }
+        ShapeKind::Flat => {
+            Box::new(OnThings { boxes, surface, shape: Flat { radius }, gauge: FlatGauge })
+        }
+        ShapeKind::General => {
+            let shape = General::new(profile);
+            let gauge = TableGauge::new(&shape, profile.height(radius));
+            Box::new(OnThings { boxes, surface, shape, gauge })
+        }
+    }
 }
 
-impl<S: Surface> Job<'_, S> {
-    fn drop(&self, profile: &Profile) -> Result<Toolpath, DropError> {
-        let radius = profile.radius_mm();
-        let path = match ShapeKind::of(profile) {
-            ShapeKind::Ball => self.run(&Ball { radius }, &BallGauge),
-            ShapeKind::Flat => self.run(&Flat { radius }, &FlatGauge),
-            ShapeKind::General => {
-                let general = General::new(profile);
-                let gauge = TableGauge::new(&general, profile.height(radius));
-                self.run(&general, &gauge)
-            }
-        };
-        path.ok_or(DropError::Stopped)
-    }
+struct OnThings<S, H, G> {
+    boxes: Boxes,
+    surface: S,
+    shape: H,
+    gauge: G,
+}
 
-    fn run(&self, shape: &impl Shape, gauge: &impl Gauge) -> Option<Toolpath> {
-        drop_at_places(self.pattern, self.floor_z_mm, self.tick, |at, known, best| {
+impl<S: Things, H: Shape, G: Gauge> Ready for OnThings<S, H, G> {
+    fn path(&self, pattern: &Pattern, floor_z_mm: f64, tick: Tick) -> Option<Toolpath> {
+        drop_at_places(pattern, floor_z_mm, tick, |at, known, best| {
             if let Some(item) = self.first(at, known) {
-                self.surface.drop(shape, item, at, best);
+                self.surface.drop(&self.shape, item, at, best);
             }
-            self.boxes.search(gauge, at, best, &|item, best: &mut Best| {
-                self.surface.drop(shape, item, at, best);
+            self.boxes.search(&self.gauge, at, best, &|item, best: &mut Best| {
+                self.surface.drop(&self.shape, item, at, best);
             });
         })
     }
+}
 
+impl<S, H, G> OnThings<S, H, G> {
     /// What is likely near the contact: what was touched at the place before, or else what is high
     /// and near.
     #[inline]

@@ -9,6 +9,12 @@ use rayon::prelude::*;
 /// so the number is fixed, not a matter of threads; and few enough to be told to stop in time.
 const CHUNK: usize = 64;
 
+/// A surface with its index, for one cutter.
+pub(super) trait Ready: Sync + Send {
+    /// Lowers the cutter at each point of `pattern`. `None` if `tick` stopped the work.
+    fn path(&self, pattern: &Pattern, floor_z_mm: f64, tick: Tick) -> Option<Toolpath>;
+}
+
 /// Calls `drop` at each point of `pattern` and makes a path of what it finds; `floor_z_mm` where
 /// that is nothing. `drop` is told the place before and what was touched there, if anything was.
 ///

@@ -10,12 +10,12 @@ use glam::DVec2;
 use wide::f32x4;
 
 /// The nodes by themselves.
-pub(super) struct Vertices<'a, S, G> {
-    pub(super) shape: &'a S,
+pub(super) struct Vertices<S, G> {
+    pub(super) shape: S,
     pub(super) gauge: G,
 }
 
-impl<S: Shape, G: Gauge> Probe for Vertices<'_, S, G> {
+impl<S: Shape, G: Gauge> Probe for Vertices<S, G> {
     #[inline]
     fn reach(&self) -> f64 {
         0.0
@@ -28,7 +28,7 @@ impl<S: Shape, G: Gauge> Probe for Vertices<'_, S, G> {
 
     #[inline]
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
-        drop_on_node(self.shape, ground, at, i, j, best);
+        drop_on_node(&self.shape, ground, at, i, j, best);
     }
 }
 
@@ -51,14 +51,14 @@ pub(super) fn drop_on_node(
 ///
 /// A triangle matters only if its highest node does: no place of it is higher, or farther from that
 /// node than a pitch along either axis.
-pub(super) struct Peaks<'a, S, G> {
-    pub(super) shape: &'a S,
+pub(super) struct Peaks<S, G> {
+    pub(super) shape: S,
     pub(super) gauge: Nearer<G>,
     /// Pitch / R.
     pub(super) pitch: f64,
 }
 
-impl<S: Shape, G: Gauge> Probe for Peaks<'_, S, G> {
+impl<S: Shape, G: Gauge> Probe for Peaks<S, G> {
     #[inline]
     fn reach(&self) -> f64 {
         self.pitch
@@ -70,7 +70,7 @@ impl<S: Shape, G: Gauge> Probe for Peaks<'_, S, G> {
     }
 
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
-        drop_on_node(self.shape, ground, at, i, j, best);
+        drop_on_node(&self.shape, ground, at, i, j, best);
         let (z, around) = (ground.height(i, j), heights_around(ground, i, j));
         let falls = self.falling_edges(ground, at, (i, j), z, &around, best);
         let mut lower = 0;
@@ -99,7 +99,7 @@ impl<S: Shape, G: Gauge> Probe for Peaks<'_, S, G> {
     }
 }
 
-impl<S: Shape, G> Peaks<'_, S, G> {
+impl<S: Shape, G> Peaks<S, G> {
     /// Bits of the edges along which the clearance can fall below 0: told by its tangent if the
     /// shape is convex, else all.
     fn falling_edges(

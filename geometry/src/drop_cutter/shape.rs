@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 /// Every contact handed to [`Best::raise`] must be a point of the surface, given with the height of
 /// the tip at which the cutter passes through it: then no answer can be too high, and it is exact if
 /// every local maximum of the tip over a triangle or edge is among them.
-pub(super) trait Shape: Sync {
+pub(super) trait Shape: Sync + Send {
     /// R, in mm.
     fn radius(&self) -> f64;
 
