@@ -9,7 +9,9 @@
 mod bounds;
 mod defects;
 mod drop_cutter;
+mod grown;
 mod height_field;
+mod level;
 mod link;
 mod mesh;
 mod mesh_to_field;
@@ -31,6 +33,7 @@ pub use drop_cutter::{
 };
 pub use glam::{DAffine3, DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
+pub use level::{Entry, LevelError, Levels, Milling, Rough, RoughStyle, Waterline};
 pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;
 pub use mesh_to_field::{FieldGrid, mesh_to_field};

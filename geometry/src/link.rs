@@ -4,7 +4,8 @@
 //! Added before the first pass and wherever a span is not joined to the one before: a rapid
 //! straight up to the safe height, a rapid across at that height, a plunge down to the first tip of
 //! the pass. The plunge ends on the very point the pass begins with, so the passes keep all their
-//! points and their count.
+//! points and their count. Plunges that a path has already, its ways down to a level, are entered like
+//! passes.
 
 use crate::{Contact, Feeds, Span, SpanKind, Toolpath};
 use glam::DVec3;
@@ -15,8 +16,8 @@ pub enum LinkError {
     /// There is no point to go to.
     #[error("the tool path is empty: there is nothing to cut")]
     Empty,
-    /// It has rapids or plunges already.
-    #[error("the tool path has rapids or plunges already")]
+    /// It has rapids already.
+    #[error("the tool path has rapids already")]
     AlreadyLinked,
     /// A rapid would cross stock.
     #[error(
@@ -45,7 +46,7 @@ pub enum LinkError {
 /// All spans of the result but the first are joined.
 ///
 /// # Errors
-/// If the path is empty or has such moves already, the safe height is below the highest tip, or a
+/// If the path is empty or has rapids already, the safe height is below the highest tip, or a
 /// speed is not positive.
 pub fn link_passes(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<Toolpath, LinkError> {
     check(path, safe_z_mm, feeds)?;
@@ -97,7 +98,7 @@ fn check(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<(), LinkError>
     if path.tips.is_empty() || path.spans.is_empty() {
         return Err(LinkError::Empty);
     }
-    if path.spans.iter().any(|s| matches!(s.kind, SpanKind::Rapid | SpanKind::Plunge)) {
+    if path.spans.iter().any(|s| s.kind == SpanKind::Rapid) {
         return Err(LinkError::AlreadyLinked);
     }
     let speeds = [

@@ -37,6 +37,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
         NodeKind::of::<path::ReduceCl>("path"),
+        NodeKind::of::<path::Roughing>("path"),
         NodeKind::of::<output::SaveGcode>("output"),
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
@@ -46,6 +47,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::Summary>("output"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
+        NodeKind::of::<path::WaterlineNode>("path"),
         NodeKind::of::<surface::ZMap>("surface"),
     ]
 }

@@ -9,7 +9,7 @@ use super::gauge::{BallGauge, FlatGauge, Gauge, TableGauge};
 use super::general::General;
 use super::places::{Ready, drop_at_places};
 use super::shape::{Shape, ShapeKind};
-use crate::{ContactKind, Mesh, Pattern, PointCloud, Profile, Tick, Toolpath};
+use crate::{ContactKind, Mesh, Pattern, PointCloud, Profile, ProfileError, Tick, Toolpath};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -37,6 +37,9 @@ pub enum DropError {
     /// More than the index can count.
     #[error("{0} triangles or points are more than the {max} that can be indexed", max = u32::MAX)]
     TooMany(usize),
+    /// An allowance that is not one.
+    #[error(transparent)]
+    BadAllowance(#[from] ProfileError),
     /// The tick answered no.
     #[error("stopped")]
     Stopped,

@@ -3,6 +3,7 @@
 use super::places::Ready;
 use super::{Against, DropError, on_height_field, on_mesh};
 use crate::{Bounds, HeightField, Mesh, Pattern, PointCloud, Profile, Tick, Toolpath};
+use rayon::prelude::*;
 use std::fmt;
 
 /// Any surface that a cutter can be dropped on.
@@ -31,6 +32,8 @@ impl Surface<'_> {
 /// A surface with an index for one cutter, which takes most of the time of a short pattern to build.
 pub struct DropCutter<'a> {
     ready: Box<dyn Ready + 'a>,
+    /// From the tip that is dropped to the cutter's own.
+    lift_mm: f64,
 }
 
 impl fmt::Debug for DropCutter<'_> {
@@ -40,25 +43,36 @@ impl fmt::Debug for DropCutter<'_> {
 }
 
 impl<'a> DropCutter<'a> {
-    /// Builds the index.
+    /// Builds the index for a cutter that is to leave `allowance_mm` on the surface: no point of it
+    /// comes closer (see [`Profile::grown`]).
     ///
     /// # Errors
-    /// As [`crate::drop_on_mesh`].
-    pub fn new(surface: Surface<'a>, profile: &Profile, tick: Tick) -> Result<Self, DropError> {
+    /// As [`crate::drop_on_mesh`], and if the allowance is negative or not finite.
+    pub fn new(
+        surface: Surface<'a>,
+        profile: &Profile,
+        allowance_mm: f64,
+        tick: Tick,
+    ) -> Result<Self, DropError> {
+        let grown = profile.grown(allowance_mm)?;
         let ready = match surface {
             Surface::Field(field, against) => {
-                on_height_field::ready(field, against, profile, tick).ok_or(DropError::Stopped)?
+                on_height_field::ready(field, against, &grown, tick).ok_or(DropError::Stopped)?
             }
-            Surface::Mesh(mesh) => on_mesh::ready_mesh(mesh, profile, tick)?,
-            Surface::Points(cloud) => on_mesh::ready_points(cloud, profile, tick)?,
+            Surface::Mesh(mesh) => on_mesh::ready_mesh(mesh, &grown, tick)?,
+            Surface::Points(cloud) => on_mesh::ready_points(cloud, &grown, tick)?,
         };
-        Ok(Self { ready })
+        Ok(Self { ready, lift_mm: allowance_mm })
     }
 
-    /// Lowers the cutter at each point of `pattern`, as [`crate::drop_on_height_field`] does.
-    /// `None` if `tick` stopped the work.
+    /// Lowers the cutter at each point of `pattern`, as [`crate::drop_on_height_field`] does; the tips
+    /// are the cutter's own. `None` if `tick` stopped the work.
     #[must_use]
     pub fn path(&self, pattern: &Pattern, floor_z_mm: f64, tick: Tick) -> Option<Toolpath> {
-        self.ready.path(pattern, floor_z_mm, tick)
+        let mut path = self.ready.path(pattern, floor_z_mm - self.lift_mm, tick)?;
+        if self.lift_mm > 0.0 {
+            path.tips.par_iter_mut().for_each(|tip| tip.z += self.lift_mm);
+        }
+        Some(path)
     }
 }

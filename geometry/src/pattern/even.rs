@@ -20,7 +20,7 @@ pub(crate) fn between(from: DVec2, to: DVec2, step: f64) -> impl Iterator<Item =
 }
 
 /// Points on the lines from corner to corner, corners included, evenly spaced between them.
-pub(super) fn along(corners: &[DVec2], step: f64) -> impl Iterator<Item = DVec2> {
+pub(crate) fn along(corners: &[DVec2], step: f64) -> impl Iterator<Item = DVec2> {
     let sides = corners.windows(2);
     corners.first().copied().into_iter().chain(
         sides.flat_map(move |side| between(side[0], side[1], step).chain(std::iter::once(side[1]))),

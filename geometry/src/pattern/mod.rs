@@ -25,7 +25,7 @@ pub use radial::Radial;
 pub use region::{Polygon, PolygonError, Region};
 pub use spiral::Spiral;
 
-pub(crate) use even::{STEP_SLACK, between};
+pub(crate) use even::{STEP_SLACK, along, between};
 pub(crate) use layer::{Layer, Stroke, push};
 
 use glam::DVec2;
@@ -56,6 +56,16 @@ pub struct Pattern {
 impl Pattern {
     /// No passes at all.
     pub(crate) const EMPTY: Self = Self { points: Vec::new(), spans: Vec::new() };
+
+    /// Adds the passes of another pattern, which are not joined to these.
+    pub(crate) fn append(&mut self, other: Self) {
+        let moved = self.points.len();
+        self.points.extend(other.points);
+        self.spans.extend(other.spans.into_iter().map(|span| PatternSpan {
+            points: span.points.start + moved..span.points.end + moved,
+            ..span
+        }));
+    }
 }
 
 /// A way to lay passes over a region.

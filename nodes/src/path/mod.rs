@@ -4,11 +4,14 @@ mod cutter;
 mod drop_cutter;
 mod drop_on_mesh;
 mod drop_on_points;
+mod level;
 mod link;
 mod pattern;
 mod raster;
 mod reduce_cl;
+mod roughing;
 mod setup;
+mod waterline;
 
 pub(crate) use cutter::{CutterNode, DRAWING};
 pub(crate) use drop_cutter::DropCutter;
@@ -21,4 +24,6 @@ pub(crate) use pattern::{
 };
 pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;
+pub(crate) use roughing::Roughing;
 pub(crate) use setup::SetupNode;
+pub(crate) use waterline::WaterlineNode;
