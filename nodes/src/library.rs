@@ -9,6 +9,7 @@ pub const LIBRARY: Library = Library {
         ("patterns", include_str!("../../graphs/patterns.ron")),
         ("points_finish", include_str!("../../graphs/points_finish.ron")),
         ("relief", include_str!("../../graphs/relief.ron")),
+        ("waterline", include_str!("../../graphs/waterline.ron")),
     ],
     assets: &[
         ("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png")),

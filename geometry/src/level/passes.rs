@@ -314,8 +314,28 @@ impl Chain<'_> {
         for (tip, least) in descent.iter_mut().zip(least) {
             tip.z = tip.z.max(least.z);
         }
-        descent
+        without_needless(&descent)
     }
+}
+
+/// Without points that lie on the line between those around them.
+fn without_needless(points: &[DVec3]) -> Vec<DVec3> {
+    /// Far below what a machine resolves.
+    const ON_LINE_MM: f64 = 1e-6;
+    let mut kept: Vec<DVec3> = Vec::new();
+    for (k, point) in points.iter().enumerate() {
+        if let (Some(before), Some(after)) = (kept.last(), points.get(k + 1)) {
+            let (way, whole) = (point - before, after - before);
+            let share = way.dot(whole) / whole.length_squared();
+            // NaN, where both ends are one, is not on it.
+            let on_it = (0.0..=1.0).contains(&share);
+            if on_it && way.distance(whole * share) <= ON_LINE_MM {
+                continue;
+            }
+        }
+        kept.push(*point);
+    }
+    kept
 }
 
 fn plan_distance(a: DVec3, b: DVec3) -> f64 {

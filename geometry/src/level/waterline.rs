@@ -37,7 +37,7 @@ impl Waterline {
                 Ok(layer) => layer,
                 Err(pattern) => return pattern,
             };
-            for mut piece in outlines.iter().flat_map(touching) {
+            for mut piece in nearest_first(outlines.iter().flat_map(touching).collect()) {
                 if self.milling == Milling::Conventional {
                     piece.reverse();
                 }
@@ -47,6 +47,20 @@ impl Waterline {
         };
         self.levels.path(surface, profile, plan, tick)
     }
+}
+
+/// Pieces in an order with little travel: each is followed by the one that begins nearest to its end.
+fn nearest_first(mut pieces: Vec<Vec<DVec2>>) -> Vec<Vec<DVec2>> {
+    /// The work grows with the square of the number; so many are in order in some 10 ms.
+    const MANY: usize = 4000;
+    for k in 1..pieces.len().min(MANY) {
+        let Some(&end) = pieces[k - 1].last() else { continue };
+        let away = |piece: &Vec<DVec2>| piece[0].distance_squared(end);
+        let nearest =
+            (k..pieces.len()).min_by(|a, b| away(&pieces[*a]).total_cmp(&away(&pieces[*b])));
+        pieces.swap(k, nearest.unwrap_or(k));
+    }
+    pieces
 }
 
 /// The parts of an outline where the surface is touched. A closed one ends where it begins.

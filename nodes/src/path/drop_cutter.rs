@@ -5,13 +5,12 @@
 //! vertices; against the *points* only vertices, which is faster and as good where the points are
 //! dense: the source takes them when their distance is at most a fifth of the cutter's radius
 //! (section 4.2). The heights are exact for every cutter, see
-//! [`drop_on_height_field`].
+//! [`geometry::DropCutter`].
 
+use super::dropping::dropped;
 use crate::values::Remark;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{
-    Against, ContactKind, Cutter, HeightField, Pattern, Toolpath, drop_on_height_field,
-};
+use carvegraph_geometry::{self as geometry, Against, Cutter, HeightField, Pattern, Toolpath};
 
 /// The largest pitch at which points are dense, as a share of the cutter's radius.
 const DENSE: f64 = 0.2;
@@ -25,6 +24,9 @@ pub(crate) struct DropCutter {
     /// Height of the tip where nothing lies under the cutter.
     #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
     pub(crate) floor: f64,
+    /// What is left on the surface: no point of the cutter comes closer.
+    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
+    pub(crate) allowance: f64,
 }
 
 /// What a cutter is dropped on.
@@ -65,25 +67,9 @@ impl Node for DropCutter {
         let Dropping { surface, cutter, pattern } = inputs;
         let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.radius_mm());
         cx.note(&text);
-        let ticker = cx.ticker(pattern.points.len());
-        let toolpath = cx.completed(drop_on_height_field(
-            surface,
-            against,
-            &cutter.profile,
-            pattern,
-            self.floor,
-            &|count| ticker.tick(count),
-        ))?;
-        warn_of_misses(&toolpath, self.floor, cx);
+        let surface = geometry::Surface::Field(surface, against);
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
         Ok(Dropped { toolpath, choice: Remark { text } })
-    }
-}
-
-/// Tells at how many points the cutter fell to the floor.
-pub(super) fn warn_of_misses(toolpath: &Toolpath, floor: f64, cx: &Context<'_>) {
-    let missed = toolpath.contacts.iter().filter(|c| c.kind == ContactKind::None).count();
-    if missed > 0 {
-        cx.warn(format!("at {missed} points nothing is under the cutter: floor, {floor} mm"));
     }
 }
 
@@ -120,7 +106,7 @@ mod tests {
 
     #[test]
     fn auto_follows_the_fifth_of_the_radius() {
-        let auto = DropCutter { against: Surface::Auto, floor: 0.0 };
+        let auto = DropCutter { against: Surface::Auto, floor: 0.0, allowance: 0.0 };
         assert_eq!(auto.choose(0.6, 3.0).0, Against::Points);
         assert_eq!(auto.choose(0.6000001, 3.0).0, Against::Mesh);
         assert!(
@@ -130,9 +116,9 @@ mod tests {
 
     #[test]
     fn a_set_surface_is_taken_as_it_is() {
-        let points = DropCutter { against: Surface::Points, floor: 0.0 };
+        let points = DropCutter { against: Surface::Points, floor: 0.0, allowance: 0.0 };
         assert_eq!(points.choose(5.0, 3.0).0, Against::Points);
-        let mesh = DropCutter { against: Surface::Mesh, floor: 0.0 };
+        let mesh = DropCutter { against: Surface::Mesh, floor: 0.0, allowance: 0.0 };
         assert_eq!(mesh.choose(0.01, 3.0).0, Against::Mesh);
     }
 }

@@ -3,12 +3,12 @@
 //! The cutter is lowered at each point of a pattern until it first touches a facet, an edge or a
 //! vertex. The mesh may be open, dirty or a closed solid; of overhangs the highest is touched, and
 //! which way a facet points does not matter. The heights are exact for every cutter, see
-//! [`drop_on_mesh`]. For a surface with one height above each node of a grid, `drop_cutter` does the
-//! same without triangles.
+//! [`carvegraph_geometry::DropCutter`]. For a surface with one height above each node of a grid,
+//! `drop_cutter` does the same without triangles.
 
-use super::drop_cutter::warn_of_misses;
+use super::dropping::dropped;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Cutter, DropError, Mesh, Pattern, Toolpath, drop_on_mesh};
+use carvegraph_geometry::{Cutter, Mesh, Pattern, Surface, Toolpath};
 
 /// Lowers the cutter onto a mesh at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
@@ -16,6 +16,9 @@ pub(crate) struct DropOnMesh {
     /// Height of the tip where nothing lies under the cutter.
     #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
     pub(crate) floor: f64,
+    /// What is left on the surface: no point of the cutter comes closer.
+    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
+    pub(crate) allowance: f64,
 }
 
 #[derive(Inputs)]
@@ -41,20 +44,9 @@ impl Node for DropOnMesh {
 
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { mesh, cutter, pattern } = inputs;
-        let ticker = cx.ticker(pattern.points.len());
-        let tick = |count| ticker.tick(count);
-        let dropped = drop_on_mesh(mesh, &cutter.profile, pattern, self.floor, &tick);
-        let toolpath = dropped.map_err(fault)?;
-        warn_of_misses(&toolpath, self.floor, cx);
+        let surface = Surface::Mesh(mesh);
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
         Ok(Dropped { toolpath })
-    }
-}
-
-/// What a node says when the cutter cannot be dropped.
-pub(super) fn fault(fault: DropError) -> NodeError {
-    match fault {
-        DropError::Stopped => NodeError::Cancelled,
-        fault => NodeError::failed(fault),
     }
 }
 
@@ -72,7 +64,7 @@ mod tests {
         let points = vec![DVec2::splat(3.0), DVec2::splat(30.0)];
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points, spans };
-        let node = DropOnMesh { floor: -5.0 };
+        let node = DropOnMesh { floor: -5.0, allowance: 0.0 };
         run(|cx| node.run(Dropping { mesh: &mesh, cutter: &cutter, pattern: &pattern }, cx))
     }
 

@@ -3,12 +3,11 @@
 //! The cutter is lowered at each point of a pattern until it first touches a point of the cloud. That
 //! is as good as a mesh where the points are dense: at most a fifth of the cutter's radius apart
 //! (Sood 2015, section 4.2). Elsewhere the cutter sinks between them. The heights are exact for every
-//! cutter, see [`drop_on_points`].
+//! cutter, see [`carvegraph_geometry::DropCutter`].
 
-use super::drop_cutter::warn_of_misses;
-use super::drop_on_mesh::fault;
+use super::dropping::dropped;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Cutter, Pattern, PointCloud, Toolpath, drop_on_points};
+use carvegraph_geometry::{Cutter, Pattern, PointCloud, Surface, Toolpath};
 
 /// Lowers the cutter onto points at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
@@ -16,6 +15,9 @@ pub(crate) struct DropOnPoints {
     /// Height of the tip where nothing lies under the cutter.
     #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
     pub(crate) floor: f64,
+    /// What is left on the surface: no point of the cutter comes closer.
+    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
+    pub(crate) allowance: f64,
 }
 
 #[derive(Inputs)]
@@ -41,11 +43,8 @@ impl Node for DropOnPoints {
 
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { points, cutter, pattern } = inputs;
-        let ticker = cx.ticker(pattern.points.len());
-        let tick = |count| ticker.tick(count);
-        let dropped = drop_on_points(points, &cutter.profile, pattern, self.floor, &tick);
-        let toolpath = dropped.map_err(fault)?;
-        warn_of_misses(&toolpath, self.floor, cx);
+        let surface = Surface::Points(points);
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -66,7 +65,9 @@ mod tests {
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points: vec![DVec2::ZERO, DVec2::splat(9.0)], spans };
         let inputs = Dropping { points: &points, cutter: &cutter, pattern: &pattern };
-        let path = run(|cx| DropOnPoints { floor: -1.0 }.run(inputs, cx)).unwrap().toolpath;
+        let path = run(|cx| DropOnPoints { floor: -1.0, allowance: 0.0 }.run(inputs, cx))
+            .unwrap()
+            .toolpath;
         assert_eq!((path.tips[0].z, path.tips[1].z), (3.0, -1.0));
         let touched = Contact { point: points.points[1], kind: ContactKind::Vertex };
         assert_eq!(path.contacts, [touched, Contact::NONE]);

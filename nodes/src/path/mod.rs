@@ -4,6 +4,7 @@ mod cutter;
 mod drop_cutter;
 mod drop_on_mesh;
 mod drop_on_points;
+mod dropping;
 mod level;
 mod link;
 mod pattern;
