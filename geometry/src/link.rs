@@ -4,11 +4,18 @@
 //! Added before the first pass and wherever a span is not joined to the one before: a rapid
 //! straight up to the safe height, a rapid across at that height, a plunge down to the first tip of
 //! the pass. The plunge ends on the very point the pass begins with, so the passes keep all their
-//! points and their count. Plunges that a path has already, its ways down to a level, are entered like
-//! passes.
+//! points and their count.
+//!
+//! A path may have plunges of its own, ways down to a level. Where one is not joined to what comes
+//! before it begins at a place that the cutter reaches through the air: the rapid goes on to a
+//! millimetre above it.
 
 use crate::{Contact, Feeds, Span, SpanKind, Toolpath};
 use glam::DVec3;
+
+/// A rapid ends so far above a place that is known to be free, in mm: more than a stock is uneven or a
+/// tool is measured wrong, and less than a second's feed.
+const APPROACH_MM: f64 = 1.0;
 
 /// Why a path can't be linked.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -60,14 +67,15 @@ pub fn link_passes(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<Tool
     let above = |tip: DVec3| tip.with_z(safe_z_mm);
     for span in path.spans.iter().filter(|span| !span.points.is_empty()) {
         let first = path.tips[span.points.start];
-        match linked.tips.last().copied() {
-            None => linked.add_free(SpanKind::Rapid, &[above(first)]),
-            Some(last) if !span.joined => {
-                linked.add_free(SpanKind::Rapid, &[above(last), above(first)]);
+        let last = linked.tips.last().copied();
+        if last.is_none() || !span.joined {
+            let mut travel: Vec<DVec3> = last.map(above).into_iter().collect();
+            travel.push(above(first));
+            let near = first.z + APPROACH_MM;
+            if span.kind == SpanKind::Plunge && near < safe_z_mm {
+                travel.push(first.with_z(near));
             }
-            Some(_) => {}
-        }
-        if linked.spans.last().is_some_and(|s| s.kind == SpanKind::Rapid) {
+            linked.add_free(SpanKind::Rapid, &travel);
             linked.add_free(SpanKind::Plunge, &[first]);
         }
         let tips = &path.tips[span.points.clone()];
@@ -160,6 +168,20 @@ mod tests {
         assert_eq!(linked.tips[4], DVec3::new(1.0, 0.0, 2.0));
         assert_eq!(linked.tips[5], DVec3::new(1.0, 1.0, 2.0));
         assert_eq!(linked.cl_points(), 4);
+    }
+
+    #[test]
+    fn a_way_down_of_the_path_begins_in_the_air() {
+        use SpanKind::{Pass, Plunge, Rapid};
+        let mut path = two_passes(true);
+        path.spans[0].kind = Plunge;
+        let linked = link_passes(&path, 5.0, FEEDS).unwrap();
+        assert_eq!(kinds(&linked), [(Rapid, 2), (Plunge, 1), (Plunge, 2), (Pass, 2), (Rapid, 1)]);
+        let heights: Vec<f64> = linked.tips.iter().map(|tip| tip.z).collect();
+        assert_eq!(heights[..4], [5.0, 2.0, 1.0, 1.0]);
+        // Not above the safe height.
+        let low = link_passes(&path, 2.0, FEEDS).unwrap();
+        assert_eq!(kinds(&low)[0], (Rapid, 1));
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub enum SpanKind {
     Pass,
     /// Feeds along the surface from one pass to the next.
     Link,
-    /// Feeds down into the stock.
+    /// Feeds down into the stock. One that is not joined to the span before begins in the air.
     Plunge,
     /// Travels without cutting.
     Rapid,

@@ -86,7 +86,7 @@ pub struct Levels {
 /// A level with its passes in plan.
 pub(super) struct Level {
     z: f64,
-    /// Where the cutter may come down to.
+    /// Where the way down begins.
     from_z: f64,
     region: Region,
     pattern: Pattern,
@@ -95,20 +95,26 @@ pub(super) struct Level {
 impl Levels {
     /// Plans each level with `plan`, which is told the outlines and the region they bound, from the top
     /// down, and makes a path of the passes. Between passes that do not follow each other it is not
-    /// joined; it has no speeds.
+    /// joined; it has no speeds. The passes that clear all of a level (`clears`) make way for the next one.
     ///
     /// `tick` counts levels twice: planned and dropped.
     pub(super) fn path(
         &self,
         surface: Surface<'_>,
         profile: &Profile,
+        clears: bool,
         plan: impl Fn(&[Outline], &Region) -> Pattern,
         tick: Tick,
     ) -> Result<Toolpath, LevelError> {
         let planned = self.plan(surface, profile, plan, tick)?;
         let radius = profile.radius_mm();
-        let chains: Vec<Chain> =
-            planned.iter().flat_map(|level| chains(level, self.entry, radius)).collect();
+        let chains: Vec<Chain> = planned
+            .iter()
+            .flat_map(|level| {
+                let free_z = if clears { level.from_z } else { self.top_mm };
+                chains(level, self.entry, radius, free_z)
+            })
+            .collect();
         let cutter = DropCutter::new(surface, profile, self.allowance_mm, tick)?;
         let places: Vec<DVec2> = chains.iter().flat_map(Chain::places).collect();
         let spans = vec![PatternSpan { points: 0..places.len(), link: false, joined: false }];
@@ -203,13 +209,20 @@ fn region(area: &Bounds, outlines: &[Outline], z_mm: f64) -> Result<Option<Regio
 struct Chain<'a> {
     z: f64,
     from_z: f64,
+    /// Down to here nothing is in the way of the cutter.
+    free_z: f64,
     /// A closed way from the first place of the passes back to it, along which the cutter gets down.
     way_down: Vec<DVec2>,
     pattern: &'a Pattern,
     spans: &'a [PatternSpan],
 }
 
-fn chains(level: &Level, entry: Entry, radius: f64) -> impl Iterator<Item = Chain<'_>> {
+fn chains(
+    level: &Level,
+    entry: Entry,
+    radius: f64,
+    free_z: f64,
+) -> impl Iterator<Item = Chain<'_>> {
     let Level { z, from_z, ref region, ref pattern } = *level;
     pattern.spans.chunk_by(|_, next| next.joined).map(move |spans| {
         let points = spans[0].points.start..spans[spans.len() - 1].points.end;
@@ -220,7 +233,7 @@ fn chains(level: &Level, entry: Entry, radius: f64) -> impl Iterator<Item = Chai
             Entry::Helix(_) => circle(points, region, radius)
                 .unwrap_or_else(|| there_and_back(points, 4.0 * radius)),
         };
-        Chain { z, from_z, way_down, pattern, spans }
+        Chain { z, from_z, free_z, way_down, pattern, spans }
     })
 }
 
@@ -289,8 +302,7 @@ impl Chain<'_> {
         }
     }
 
-    /// From where the cutter may come down to, around the way down, to the level; never lower than the
-    /// tips found there.
+    /// From the air, around the way down, to the level; never lower than the tips found there.
     fn descent(&self, around: &[DVec3], entry: Entry) -> Vec<DVec3> {
         let first = around[0];
         let length: f64 = around.windows(2).map(|pair| plan_distance(pair[0], pair[1])).sum();
@@ -313,6 +325,9 @@ impl Chain<'_> {
         let least = std::iter::once(first).chain(around[1..].iter().copied().cycle());
         for (tip, least) in descent.iter_mut().zip(least) {
             tip.z = tip.z.max(least.z);
+        }
+        if self.free_z > self.from_z {
+            descent.insert(0, first.with_z(self.free_z));
         }
         without_needless(&descent)
     }

@@ -48,7 +48,7 @@ impl Rough {
             RoughStyle::Offset => self.offset(pace, region),
             RoughStyle::Zigzag => self.zigzag(pace, outlines, region),
         };
-        self.levels.path(surface, profile, plan, tick)
+        self.levels.path(surface, profile, true, plan, tick)
     }
 
     /// From within, what is still to be cut lies outside: to the right, if passed counter-clockwise.

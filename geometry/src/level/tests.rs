@@ -45,11 +45,15 @@ fn least(field: &HeightField, profile: &Profile, allowance: f64, places: Vec<DVe
     path.tips.iter().map(|tip| tip.z).collect()
 }
 
-/// Places along the moves of a path, 0.05 mm apart, with the kind of move.
+/// Places along the moves of a path, 0.05 mm apart, with the kind of move: a rapid to where the cutter
+/// comes from above.
 fn along_moves(path: &Toolpath) -> Vec<(DVec3, SpanKind)> {
     let mut places = Vec::new();
     for span in &path.spans {
         let first = if span.joined { span.points.start - 1 } else { span.points.start };
+        if !span.joined {
+            places.push((path.tips[first], SpanKind::Rapid));
+        }
         for pair in path.tips[first..span.points.end].windows(2) {
             let parts = (pair[0].distance(pair[1]) / 0.05).ceil().max(1.0) as usize;
             let share = (1..=parts).map(|k| k as f64 / parts as f64);
@@ -120,14 +124,14 @@ fn waterlines_never_come_closer_than_the_allowance_even_between_their_points() {
     }
 }
 
-/// Replays a path of a flat in stock; the deepest bite of a pass, and what is left.
-fn replay(path: &Toolpath, bounds: &Bounds, radius: f64) -> (f64, Vec<(DVec2, f64)>) {
+/// Replays a path of a flat in stock; the deepest bites from above and of moves, and what is left.
+fn replay(path: &Toolpath, bounds: &Bounds, radius: f64) -> ([f64; 2], Vec<(DVec2, f64)>) {
     const CELL: f64 = 0.2;
     let size = (bounds.size().truncate() / CELL).floor();
     let (columns, rows) = (size.x as usize + 1, size.y as usize + 1);
     let mut stock = vec![bounds.max.z; columns * rows];
     let place = |i: usize, j: usize| bounds.min.truncate() + DVec2::new(i as f64, j as f64) * CELL;
-    let mut bite = 0.0_f64;
+    let mut bites = [0.0_f64; 2];
     for (tip, kind) in along_moves(path) {
         let at = (tip.truncate() - bounds.min.truncate()) / CELL;
         let reach = radius / CELL;
@@ -139,16 +143,15 @@ fn replay(path: &Toolpath, bounds: &Bounds, radius: f64) -> (f64, Vec<(DVec2, f6
             for i in range(at.x, columns) {
                 let left = &mut stock[j * columns + i];
                 if place(i, j).distance(tip.truncate()) <= radius && *left > tip.z {
-                    if kind != SpanKind::Plunge {
-                        bite = bite.max(*left - tip.z);
-                    }
+                    let bite = &mut bites[usize::from(kind != SpanKind::Rapid)];
+                    *bite = bite.max(*left - tip.z);
                     *left = tip.z;
                 }
             }
         }
     }
     let left = (0..columns * rows).map(|k| (place(k % columns, k / columns), stock[k]));
-    (bite, left.collect())
+    (bites, left.collect())
 }
 
 #[test]
@@ -168,8 +171,9 @@ fn roughing_leaves_the_allowance_and_steps_and_never_bites_deeper_than_a_step() 
         for ((tip, kind), least) in moves.iter().zip(least) {
             assert!(tip.z >= least - 1e-6, "{style:?}, {kind:?} at {tip}: {least} is allowed");
         }
-        let (bite, left) = replay(&path, &field.bounds(), radius);
-        assert!(bite <= levels.step_mm + 1e-6, "{style:?} bites {bite} mm");
+        let ([plunge, bite], left) = replay(&path, &field.bounds(), radius);
+        assert!(bite <= levels.step_mm + 0.02, "{style:?} bites {bite} mm");
+        assert!(plunge <= 0.02, "{style:?} is lowered {plunge} mm into the stock");
         // Where the cutter can stand, the stock is cut down to the level above its lowest tip.
         let places: Vec<DVec2> = left.iter().map(|(at, _)| *at).collect();
         let apart = levels.allowance_mm + levels.tolerance_mm;

@@ -45,7 +45,7 @@ impl Waterline {
             }
             layer.into_pattern(false)
         };
-        self.levels.path(surface, profile, plan, tick)
+        self.levels.path(surface, profile, false, plan, tick)
     }
 }
 
