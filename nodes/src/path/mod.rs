@@ -8,6 +8,7 @@ mod link;
 mod pattern;
 mod raster;
 mod reduce_cl;
+mod rest_area;
 mod setup;
 
 pub(crate) use cutter::{CutterNode, DRAWING};
@@ -21,4 +22,5 @@ pub(crate) use pattern::{
 };
 pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;
+pub(crate) use rest_area::RestAreaNode;
 pub(crate) use setup::SetupNode;
