@@ -7,15 +7,17 @@
 //! stop, returning `None`, as soon as it answers `false`.
 
 mod bounds;
+mod contour_lines;
 mod defects;
 mod drop_cutter;
 mod grown;
 mod height_field;
+mod leftover;
 mod level;
 mod link;
 mod mesh;
 mod mesh_to_field;
-#[cfg(feature = "oracle")]
+#[cfg(any(feature = "oracle", test))]
 pub mod oracle;
 mod pattern;
 mod placing;
@@ -23,16 +25,19 @@ mod point_cloud;
 mod profile;
 mod raster;
 mod reduce;
+mod simplify;
 mod stitch;
 mod toolpath;
 
 pub use bounds::Bounds;
+pub use contour_lines::contour_lines;
 pub use defects::{Defects, find_defects};
 pub use drop_cutter::{
     Against, DropCutter, DropError, Surface, drop_on_height_field, drop_on_mesh, drop_on_points,
 };
 pub use glam::{DAffine3, DVec2, DVec3};
 pub use height_field::{HeightField, HeightFieldError};
+pub use leftover::{RestArea, RestError, leftover, rest_area};
 pub use level::{Entry, LevelError, Levels, Milling, Rough, RoughStyle, Waterline};
 pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;

@@ -5,6 +5,7 @@
 //! its definition.
 
 mod assemble;
+mod job;
 mod library;
 mod offers;
 mod output;
@@ -21,6 +22,7 @@ mod values;
 
 pub use assemble::registry;
 pub use carvegraph_sdk::{CutterShape, Dialect};
+pub use job::{Drive, Job, Operation};
 pub use library::LIBRARY;
 pub use offers::{Batch, OfferError, Offers};
 pub use plugin::{PluginNodeError, kind_of};
@@ -29,4 +31,4 @@ pub use shop::{
     Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet,
     Tools, Travel,
 };
-pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};
+pub use values::{Channels, Gcode, GrayImage, Image, ProgramText, Remark, Samples, ToolUse};

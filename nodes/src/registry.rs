@@ -1,5 +1,6 @@
 //! The one list of nodes, and the one list of what passes between them.
 
+use crate::job::{Job, Operation, described};
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
 use crate::{output, path, picture, surface};
@@ -30,6 +31,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<surface::LoadMesh>("surface"),
         NodeKind::of::<surface::LoadPoints>("surface"),
         NodeKind::of::<surface::MeshToField>("surface"),
+        NodeKind::of::<output::OperationNode>("output"),
         NodeKind::of::<surface::PointCloudNode>("surface"),
         NodeKind::of::<path::PolygonNode>("path"),
         NodeKind::of::<output::Post>("output"),
@@ -37,6 +39,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
         NodeKind::of::<path::ReduceCl>("path"),
+        NodeKind::of::<path::RestAreaNode>("path"),
         NodeKind::of::<path::Roughing>("path"),
         NodeKind::of::<output::SaveGcode>("output"),
         NodeKind::of::<output::SavePoints>("output"),
@@ -64,7 +67,7 @@ pub(crate) fn types() -> Vec<PortType> {
         PortType::of("defects", "What is wrong with a mesh", defects_facts, |_: &Defects| {
             size_of::<Defects>()
         }),
-        PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.text.len()),
+        PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.bytes()),
         PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {
             image.values.len() * 4
         }),
@@ -75,6 +78,7 @@ pub(crate) fn types() -> Vec<PortType> {
             |field: &HeightField| field.heights().len() * 4,
         ),
         PortType::of("image", "A picture as it was loaded", image_facts, image_bytes),
+        PortType::of("job", "Operations in the order in which they are cut", job_facts, job_bytes),
         PortType::of("mesh", "A surface of triangles", mesh_facts, |mesh: &Mesh| {
             mesh.vertices.len() * 24 + mesh.triangles.len() * 12
         }),
@@ -114,9 +118,7 @@ pub(crate) fn types() -> Vec<PortType> {
             sheet_facts,
             |sheet: &ToolSheet| sheet.materials.len() * 72,
         ),
-        PortType::of("toolpath", "A path of the cutter's tip", path_facts, |path: &Toolpath| {
-            path.tips.len() * (24 + 32) + path.spans.len() * 24
-        }),
+        PortType::of("toolpath", "A path of the cutter's tip", path_facts, path_bytes),
     ]
 }
 
@@ -147,8 +149,9 @@ fn defects_facts(defects: &Defects) -> Facts {
 fn gcode_facts(code: &Gcode) -> Facts {
     facts([
         ("lines", json!(code.lines())),
-        ("bytes", json!(code.text.len())),
+        ("bytes", json!(code.bytes())),
         ("dialect", json!(code.dialect)),
+        ("programs", json!(code.programs.len())),
     ])
 }
 
@@ -189,6 +192,27 @@ fn field_facts(field: &HeightField) -> Facts {
         ("z_min", json!(bounds.min.z)),
         ("z_max", json!(bounds.max.z)),
     ])
+}
+
+fn job_facts(job: &Job) -> Facts {
+    let of = |fact: &dyn Fn(&Operation) -> Json| -> Vec<Json> {
+        job.operations.iter().map(|operation| fact(operation)).collect()
+    };
+    let times = job.operations.iter().map(|operation| operation.toolpath.time_at_full_speed_s());
+    facts([
+        ("operations", json!(of(&|operation| json!(operation.name)))),
+        ("cutters", json!(of(&|operation| json!(described(&operation.cutter))))),
+        ("cl_points", json!(of(&|operation| json!(operation.toolpath.cl_points())))),
+        ("time_s", json!(times.sum::<Option<f64>>())),
+    ])
+}
+
+fn job_bytes(job: &Job) -> usize {
+    job.operations.iter().map(|operation| path_bytes(&operation.toolpath)).sum()
+}
+
+fn path_bytes(path: &Toolpath) -> usize {
+    path.tips.len() * (24 + 32) + path.spans.len() * 24
 }
 
 fn mesh_facts(mesh: &Mesh) -> Facts {

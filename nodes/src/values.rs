@@ -75,18 +75,61 @@ pub struct GrayImage {
     pub values: Vec<f32>,
 }
 
-/// A machine program.
+/// A machine program, or one for each tool where the controller does not change them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gcode {
-    /// Its text.
-    pub text: Vec<u8>,
-    /// The dialect it is written in.
+    /// The programs in the order in which they are to be run; never none.
+    pub programs: Vec<ProgramText>,
+    /// The dialect they are written in.
     pub dialect: String,
     /// The extension that the controller wants its files to have.
     pub extension: String,
 }
 
+/// One program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ProgramText {
+    /// What tells it from the others of the job, such as "1-rough"; empty if it is the only one.
+    pub name: String,
+    /// The tools that it uses, in their order; none if nobody said.
+    pub tools: Vec<ToolUse>,
+    /// Its text.
+    pub text: Vec<u8>,
+}
+
+/// A tool in a program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ToolUse {
+    /// The number that the program calls it by, if it does.
+    pub number: Option<u32>,
+    /// The cutter, in words.
+    pub cutter: String,
+    /// What it is used for.
+    pub operations: String,
+}
+
 impl Gcode {
+    /// A single program.
+    #[must_use]
+    pub fn single(text: Vec<u8>, dialect: String, extension: String) -> Self {
+        let program = ProgramText { name: String::new(), tools: Vec::new(), text };
+        Self { programs: vec![program], dialect, extension }
+    }
+
+    /// Number of lines of all programs.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.programs.iter().map(ProgramText::lines).sum()
+    }
+
+    /// Number of bytes of all programs.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.programs.iter().map(|program| program.text.len()).sum()
+    }
+}
+
+impl ProgramText {
     /// Number of lines.
     #[must_use]
     pub fn lines(&self) -> usize {

@@ -1,5 +1,6 @@
 //! Outputs: programs, models, pictures, words.
 
+mod operation;
 mod post;
 mod preview;
 mod save_gcode;
@@ -7,6 +8,7 @@ mod save_points;
 mod save_stl;
 mod summary;
 
+pub(crate) use operation::OperationNode;
 pub(crate) use post::Post;
 pub(crate) use preview::Preview;
 pub(crate) use save_gcode::SaveGcode;

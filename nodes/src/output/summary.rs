@@ -1,7 +1,8 @@
 //! What was made, in words.
 
+use crate::job::{Job, described};
 use crate::shop::{NONE, Setup};
-use crate::values::{Gcode, Remark};
+use crate::values::{Gcode, ProgramText, Remark, ToolUse};
 use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
 use carvegraph_geometry::{Bounds, Cutter, HeightField, Reduction, SpanKind, Toolpath};
 use std::io::Write;
@@ -28,9 +29,11 @@ pub(crate) struct Made<'a> {
     choice: Option<&'a Remark>,
     /// What taking points out did.
     reduction: Option<&'a Reduction>,
+    /// Operations that go before the path.
+    before: Option<&'a Job>,
     /// The path with all its moves.
     toolpath: Option<&'a Toolpath>,
-    /// The program.
+    /// The program, or one for each tool.
     program: Option<&'a Gcode>,
 }
 
@@ -61,8 +64,7 @@ fn summary(title: &str, made: &Made<'_>) -> String {
         say("part", format!("{:.3} x {:.3} mm, Z {low:.3} to {high:.3} mm", size.x, size.y));
     }
     if let Some(cutter) = made.cutter {
-        let diameter = 2.0 * cutter.profile.radius_mm();
-        say("cutter", format!("{}, diameter {diameter} mm", cutter.name));
+        say("cutter", described(cutter));
     }
     if let Some(setup) = made.setup {
         describe_setup(setup, &mut say);
@@ -73,12 +75,14 @@ fn summary(title: &str, made: &Made<'_>) -> String {
     if let Some(reduction) = made.reduction {
         say("reduction", describe_reduction(reduction));
     }
+    if let Some(job) = made.before {
+        describe_job(job, &mut say);
+    }
     if let Some(path) = made.toolpath {
-        describe_path(path, made.part, &mut say);
+        describe_path(path, made, &mut say);
     }
     if let Some(program) = made.program {
-        let (lines, bytes) = (program.lines(), program.text.len());
-        say("program", format!("{lines} lines, {bytes} bytes, dialect {}", program.dialect));
+        describe_program(program, &mut say);
     }
     let line = |(what, text): (String, String)| match what.as_str() {
         "" => format!("{text}\n"),
@@ -113,26 +117,83 @@ fn describe_reduction(reduction: &Reduction) -> String {
     )
 }
 
-fn describe_path(path: &Toolpath, part: Option<&Bounds>, say: &mut impl FnMut(&str, String)) {
+/// What goes before the path, with the time that it takes.
+fn describe_job(job: &Job, say: &mut impl FnMut(&str, String)) {
+    for operation in &job.operations {
+        let path = &operation.toolpath;
+        let time = path.time_at_full_speed_s().map(|seconds| format!(", {}", hours(seconds)));
+        say(
+            "before",
+            format!(
+                "{}: {}; {} points in {} passes{}",
+                operation.name,
+                described(&operation.cutter),
+                path.cl_points(),
+                path.passes(),
+                time.unwrap_or_default()
+            ),
+        );
+    }
+}
+
+fn describe_path(path: &Toolpath, made: &Made<'_>, say: &mut impl FnMut(&str, String)) {
     say("path", format!("{} points in {} passes", path.cl_points(), path.passes()));
     let fed = path.length_mm(|kind| kind != SpanKind::Rapid) / 1000.0;
     let rapid = path.length_mm(|kind| kind == SpanKind::Rapid) / 1000.0;
     say("length", format!("{fed:.2} m fed, {rapid:.2} m rapid"));
     if let Some(seconds) = path.time_at_full_speed_s() {
-        let minutes = (seconds / 60.0).ceil() as u64;
-        let time = format!("{} h {:02} min", minutes / 60, minutes % 60);
+        let time = hours(seconds);
         say("time", format!("{time} at full speed; accelerating takes a machine longer"));
     }
     let lowest = path.tips.iter().map(|tip| tip.z).fold(f64::INFINITY, f64::min);
-    if let Some(part) = part.filter(|_| lowest.is_finite()) {
-        let depth = part.max.z - lowest;
-        say(
-            "depth",
-            format!(
-                "the tip goes {depth:.3} mm below the top: in a full block, rough it out first"
-            ),
-        );
+    if let Some(part) = made.part.filter(|_| lowest.is_finite()) {
+        let depth = format!("the tip goes {:.3} mm below the top", part.max.z - lowest);
+        let advice = ": in a full block, rough it out first";
+        say("depth", if made.before.is_some() { depth } else { depth + advice });
     }
+}
+
+fn hours(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).ceil() as u64;
+    format!("{} h {:02} min", minutes / 60, minutes % 60)
+}
+
+/// The programs, what each tool is for, and what to do between them: cutters differ in length.
+fn describe_program(code: &Gcode, say: &mut impl FnMut(&str, String)) {
+    let size = |lines: usize, bytes: usize| {
+        format!("{lines} lines, {bytes} bytes, dialect {}", code.dialect)
+    };
+    if let [program] = &code.programs[..] {
+        say("program", size(code.lines(), code.bytes()));
+        return describe_tools(program, say);
+    }
+    for program in &code.programs {
+        let tools = program.tools.iter().map(used).collect::<Vec<_>>().join("; ");
+        let size = size(program.lines(), program.text.len());
+        say("program", format!("{}: {tools}; {size}", program.name));
+    }
+    say(
+        "between",
+        "put in the next cutter and set Z anew with it, where it was set before and no program cuts; leave \
+         X and Y (a machine that measures its tools sets Z itself)"
+            .to_owned(),
+    );
+}
+
+/// The tools of a program that changes them.
+fn describe_tools(program: &ProgramText, say: &mut impl FnMut(&str, String)) {
+    if program.tools.len() < 2 {
+        return;
+    }
+    for tool in &program.tools {
+        say(&format!("tool {}", tool.number.unwrap_or_default()), used(tool));
+    }
+    say("change", "the controller must know or measure the length of each tool".to_owned());
+}
+
+/// "ball, diameter 3 mm, for finish"
+fn used(tool: &ToolUse) -> String {
+    format!("{}, for {}", tool.cutter, tool.operations)
 }
 
 #[cfg(test)]
@@ -146,6 +207,7 @@ mod tests {
         setup: None,
         choice: None,
         reduction: None,
+        before: None,
         toolpath: None,
         program: None,
     };
@@ -184,5 +246,63 @@ mod tests {
              material   walnut\n\
              machine    shed: In the shed\n"
         );
+    }
+
+    fn program(name: &str, tools: &[(u32, &str, &str)]) -> ProgramText {
+        let used = |&(number, cutter, operations): &(u32, &str, &str)| ToolUse {
+            number: Some(number).filter(|number| *number > 0),
+            cutter: cutter.into(),
+            operations: operations.into(),
+        };
+        let tools = tools.iter().map(used).collect();
+        ProgramText { name: name.into(), tools, text: b"M5\nM30\n".to_vec() }
+    }
+
+    fn told(programs: Vec<ProgramText>) -> String {
+        let (dialect, extension) = ("grbl".to_owned(), "nc".to_owned());
+        let code = Gcode { programs, dialect, extension };
+        summary("mother", &Made { program: Some(&code), ..NOTHING })
+    }
+
+    #[test]
+    fn several_programs_are_listed_with_their_tools_and_what_to_do_between_them() {
+        let (flat, ball) = ("flat, diameter 6 mm", "ball, diameter 3 mm");
+        let one = program("", &[(0, ball, "finish")]);
+        assert_eq!(told(vec![one]), "mother\nprogram    2 lines, 7 bytes, dialect grbl\n");
+        let rough = program("1-rough", &[(0, flat, "rough")]);
+        let fine = program("2-finish", &[(0, ball, "semi, finish")]);
+        assert_eq!(
+            told(vec![rough, fine]),
+            "mother\n\
+             program    1-rough: flat, diameter 6 mm, for rough; 2 lines, 7 bytes, dialect grbl\n\
+             program    2-finish: ball, diameter 3 mm, for semi, finish; 2 lines, 7 bytes, dialect grbl\n\
+             between    put in the next cutter and set Z anew with it, where it was set before and no \
+             program cuts; leave X and Y (a machine that measures its tools sets Z itself)\n"
+        );
+        let both = program("", &[(4, flat, "rough"), (1, ball, "finish")]);
+        assert_eq!(
+            told(vec![both]),
+            "mother\n\
+             program    2 lines, 7 bytes, dialect grbl\n\
+             tool 4     flat, diameter 6 mm, for rough\n\
+             tool 1     ball, diameter 3 mm, for finish\n\
+             change     the controller must know or measure the length of each tool\n"
+        );
+    }
+
+    #[test]
+    fn what_goes_before_is_told_and_takes_the_place_of_the_advice_to_rough() {
+        use crate::job::testing::{flat, job, operation, path};
+        use carvegraph_geometry::DVec3;
+        let path = path(1.0);
+        let part = Bounds { min: DVec3::splat(-2.0), max: DVec3::ZERO };
+        let alone = Made { part: Some(&part), toolpath: Some(&path), ..NOTHING };
+        let advice = "the tip goes 1.000 mm below the top: in a full block, rough it out first\n";
+        assert!(summary("mother", &alone).ends_with(advice));
+        let rough = job([operation("rough", flat(6.0), None)]);
+        let told = summary("mother", &Made { before: Some(&rough), ..alone });
+        let line = "before     rough: flat, diameter 6 mm; 2 points in 1 passes, 0 h 01 min\n";
+        assert!(told.contains(line), "{told}");
+        assert!(told.ends_with("the tip goes 1.000 mm below the top\n"), "{told}");
     }
 }

@@ -10,6 +10,7 @@ mod link;
 mod pattern;
 mod raster;
 mod reduce_cl;
+mod rest_area;
 mod roughing;
 mod setup;
 mod waterline;
@@ -25,6 +26,7 @@ pub(crate) use pattern::{
 };
 pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;
+pub(crate) use rest_area::RestAreaNode;
 pub(crate) use roughing::Roughing;
 pub(crate) use setup::SetupNode;
 pub(crate) use waterline::WaterlineNode;

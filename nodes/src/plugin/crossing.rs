@@ -21,6 +21,11 @@ pub(super) trait Crosses: Any + Send + Sync + Sized {
     /// This value as a plugin sees it, big arrays borrowed where the layout allows it.
     fn seen(&self) -> Self::Seen<'_>;
 
+    /// Why a plugin cannot be shown this value, if so.
+    fn kept_back(&self) -> Option<String> {
+        None
+    }
+
     /// The value that a plugin made, if it is one.
     fn taken(made: Self::Seen<'static>) -> Result<Self, OutputFault>;
 }
@@ -35,7 +40,10 @@ pub(super) struct Crossing {
     take: fn(Raw<'static>) -> Result<Value, OutputFault>,
 }
 
-type Give = for<'a> fn(&'a InputValues, &str) -> Option<Raw<'a>>;
+type Give = for<'a> fn(&'a InputValues, &str) -> Given<'a>;
+
+/// What stands at an input, if it is connected, or why a plugin cannot be shown it.
+type Given<'a> = Result<Option<Raw<'a>>, String>;
 
 /// Every type of the [registry](crate::registry()).
 pub(super) const CROSSINGS: &[Crossing] = &[
@@ -74,7 +82,10 @@ impl Crossing {
     }
 
     /// What stands at an input, if it is connected.
-    pub(super) fn give<'a>(&self, inputs: &'a InputValues, port: &str) -> Option<Raw<'a>> {
+    ///
+    /// # Errors
+    /// If it cannot be shown to a plugin.
+    pub(super) fn give<'a>(&self, inputs: &'a InputValues, port: &str) -> Given<'a> {
         (self.give)(inputs, port)
     }
 
@@ -84,8 +95,12 @@ impl Crossing {
     }
 }
 
-fn give<'a, T: Crosses>(inputs: &'a InputValues, port: &str) -> Option<Raw<'a>> {
-    inputs.optional::<T>(port).map(|value| value.seen().into_raw())
+fn give<'a, T: Crosses>(inputs: &'a InputValues, port: &str) -> Given<'a> {
+    let given = inputs.optional::<T>(port);
+    match given.and_then(T::kept_back) {
+        Some(why) => Err(why),
+        None => Ok(given.map(|value| value.seen().into_raw())),
+    }
 }
 
 fn take<T: Crosses>(made: Raw<'static>) -> Result<Value, OutputFault> {

@@ -95,8 +95,11 @@ impl Guest {
         let params = self.node.params().iter();
         let arguments: Vec<Argument<'_>> = params.map(|p| argument(values.get(p.name))).collect();
         let ports = self.node.inputs().iter().zip(&self.inputs);
-        let inputs: Vec<_> =
-            ports.map(|(port, crossing)| crossing.give(inputs, port.name)).collect();
+        let give = |(port, crossing): (&Port, &Crossing)| {
+            let given = crossing.give(inputs, port.name);
+            given.map_err(|why| NodeError::Failed(format!("input {:?}: {why}", port.name)))
+        };
+        let inputs: Vec<_> = ports.map(give).collect::<Result<_, _>>()?;
         let services = OfContext::new(cx);
         let job = Job::new(&*self.node, &arguments, &inputs, &services);
         let made = job.and_then(|job| self.node.run(&job));

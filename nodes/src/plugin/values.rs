@@ -95,22 +95,26 @@ impl Crosses for Gcode {
     type Seen<'a> = seen::Gcode<'a>;
 
     fn seen(&self) -> seen::Gcode<'_> {
+        let text = self.programs.first().map(|program| program.text.as_slice());
         seen::Gcode {
-            text: self.text.as_slice().into(),
+            text: text.unwrap_or_default().into(),
             dialect: self.dialect.as_str().into(),
             extension: self.extension.as_str().into(),
         }
+    }
+
+    fn kept_back(&self) -> Option<String> {
+        let count = self.programs.len();
+        let why = format!("it is {count} programs, one for each tool, and a plugin takes one");
+        (count > 1).then_some(why)
     }
 
     fn taken(made: seen::Gcode<'static>) -> Result<Self, OutputFault> {
         check_count("bytes", made.text.len(), MAX_PROGRAM_BYTES)?;
         check_line("dialect", &made.dialect)?;
         check_extension(&made.extension)?;
-        Ok(Self {
-            text: made.text.into_owned(),
-            dialect: made.dialect.into_owned(),
-            extension: made.extension.into_owned(),
-        })
+        let (dialect, extension) = (made.dialect.into_owned(), made.extension.into_owned());
+        Ok(Self::single(made.text.into_owned(), dialect, extension))
     }
 }
 

@@ -14,7 +14,7 @@ use carvegraph_sdk::Command;
 /// Less cannot be written in a program: half of its last decimal, in mm.
 const GRAIN_MM: f64 = 0.0005;
 
-/// What a program asks of a machine.
+/// What a program, or an operation of it, asks of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Demands {
     /// Least coordinates of all moves, in the program's frame.
@@ -70,14 +70,18 @@ impl Demands {
 }
 
 impl Machine {
-    /// All that keeps it from running a program.
-    pub(crate) fn violations(&self, demands: &Demands) -> Vec<Violation> {
-        let travels = (0..3).flat_map(|axis| self.too_far(axis, demands));
-        let travels = travels.map(|message| Violation { param: None, message });
-        travels.chain(self.spindle_violation(demands)).chain(self.tool_violation(demands)).collect()
+    /// The axes that do not go as far as a program.
+    pub(crate) fn too_far(&self, demands: &Demands) -> Vec<Violation> {
+        let travels = (0..3).flat_map(|axis| self.too_far_along(axis, demands));
+        travels.map(|message| Violation { param: None, message }).collect()
     }
 
-    fn too_far(&self, axis: usize, demands: &Demands) -> Vec<String> {
+    /// What else keeps it from running a program: its spindle and its tools.
+    pub(crate) fn not_driven(&self, demands: &Demands) -> Vec<Violation> {
+        self.spindle_violation(demands).into_iter().chain(self.tool_violation(demands)).collect()
+    }
+
+    fn too_far_along(&self, axis: usize, demands: &Demands) -> Vec<String> {
         let (name, advice) = (AXES[axis], ADVICE[axis]);
         let (low, high) = (demands.min[axis], demands.max[axis]);
         let beyond = |place: f64, bound: f64, excess: f64| {
@@ -128,8 +132,8 @@ impl Machine {
     fn tool_violation(&self, demands: &Demands) -> Option<Violation> {
         let number = demands.tool.filter(|_| self.tool_change == Some(ToolChange::None))?;
         let message = format!(
-            "the program changes to tool {number} and the machine changes none (set the tool number of post to \
-             0 and put the tool in by hand)"
+            "the program changes to tool {number} and the machine changes none (set its number, tool, to 0 and \
+             put it in by hand)"
         );
         Some(Violation { param: Some("tool"), message })
     }
@@ -226,8 +230,9 @@ mod tests {
     }
 
     fn violations(machine: &Machine, job: &[Command]) -> Vec<String> {
-        let violations = machine.violations(&Demands::of(job));
-        violations.into_iter().map(|violation| violation.message).collect()
+        let demands = Demands::of(job);
+        let violations = machine.too_far(&demands).into_iter().chain(machine.not_driven(&demands));
+        violations.map(|violation| violation.message).collect()
     }
 
     #[test]
@@ -295,8 +300,8 @@ mod tests {
         assert_eq!(
             violations(&changes(Some(ToolChange::None)), &job),
             [
-                "the program changes to tool 3 and the machine changes none (set the tool number of post \
-              to 0 and put the tool in by hand)"
+                "the program changes to tool 3 and the machine changes none (set its number, tool, to 0 and \
+                 put it in by hand)"
             ]
         );
     }

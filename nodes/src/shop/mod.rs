@@ -8,7 +8,7 @@ mod limits;
 mod machine;
 mod tool;
 
-pub(crate) use limits::Demands;
+pub(crate) use limits::{Demands, Violation};
 pub use machine::{Machine, Machines, SetBy, SpindleRange, ToolChange, Travel};
 #[cfg(test)]
 pub(crate) use tool::tests;

@@ -25,3 +25,4 @@ mod sample;
 mod surfaces;
 mod threads;
 mod tutorial;
+mod two_tools;

@@ -25,9 +25,9 @@ fn picture(name: &str) -> Option<PathBuf> {
 /// Lets LinuxCNC's interpreter read a program; `None` where there is no interpreter.
 ///
 /// It keeps its tools in `$HOME`, takes a missing parameter file for a fault, and prints every
-/// motion that it would make.
-fn interpret(bench: &Bench, program: &str) -> Option<String> {
-    bench.write("tool.tbl", "T1 P1 Z0\n");
+/// motion that it would make. `tools` is its tool table.
+pub(crate) fn interpret(bench: &Bench, program: &str, tools: &str) -> Option<String> {
+    bench.write("tool.tbl", tools);
     bench.write("program.var", "");
     let run = Command::new("rs274")
         .args(["-t", "tool.tbl", "-v", "program.var", "-g", program])
@@ -70,7 +70,9 @@ fn assert_carved(name: &str) {
     // The moves from pass to pass are feeds that are no cutter locations.
     assert!(feeds >= points && feeds <= points + points / 20, "{feeds} moves, {points} points");
 
-    let Some(canonical) = interpret(&bench, &format!("out/{stem}.ngc")) else { return };
+    let Some(canonical) = interpret(&bench, &format!("out/{stem}.ngc"), "T1 P1 Z0\n") else {
+        return;
+    };
     let calls = |call: &str| canonical.lines().filter(|line| line.contains(call)).count();
     assert_eq!(calls(" STRAIGHT_FEED("), feeds, "{name}");
     assert_eq!(calls(" STRAIGHT_TRAVERSE("), program.moves.len() - feeds, "{name}");

@@ -66,8 +66,19 @@ fn cutters_and_texts_pass_unharmed() {
     let steps = [[1.0, 0.0], [1.0, 2.0], [3.0, 2.5]].map(|to| Segment::Line { to });
     passes("cutter", cutter(Profile::new(steps.to_vec()).unwrap()));
     let (dialect, extension) = ("grbl".to_owned(), "nc".to_owned());
-    passes("gcode", Gcode { text: b"G1\r\n\xff".to_vec(), dialect, extension });
+    passes("gcode", Gcode::single(b"G1\r\n\xff".to_vec(), dialect, extension));
     passes("remark", Remark { text: "Größe".to_owned() });
+}
+
+#[test]
+fn several_programs_are_not_shown_as_one() {
+    let mut two = Gcode::single(b"G1\n".to_vec(), "grbl".to_owned(), "nc".to_owned());
+    two.programs.push(two.programs[0].clone());
+    let fault = through(echo("gcode"), two).unwrap_err().to_string();
+    assert_eq!(
+        fault,
+        "input \"value\": it is 2 programs, one for each tool, and a plugin takes one"
+    );
 }
 
 #[test]
