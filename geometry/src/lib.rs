@@ -8,6 +8,7 @@
 
 mod bounds;
 mod contour_lines;
+mod crop;
 mod defects;
 mod drop_cutter;
 mod grown;
@@ -22,15 +23,18 @@ pub mod oracle;
 mod pattern;
 mod placing;
 mod point_cloud;
+mod polygon;
 mod profile;
 mod raster;
 mod reduce;
 mod simplify;
 mod stitch;
 mod toolpath;
+mod trace;
 
 pub use bounds::Bounds;
 pub use contour_lines::contour_lines;
+pub use crop::Crop;
 pub use defects::{Defects, find_defects};
 pub use drop_cutter::{
     Against, DropCutter, DropError, Surface, drop_on_height_field, drop_on_mesh, drop_on_points,
@@ -43,16 +47,18 @@ pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;
 pub use mesh_to_field::{FieldGrid, mesh_to_field};
 pub use pattern::{
-    Circles, ContourParallel, CrossRaster, Hilbert, Layout, Pace, Pattern, PatternSpan, Polygon,
-    PolygonError, Radial, Region, Spiral, Start, Turn,
+    Circles, ContourParallel, CrossRaster, Hilbert, Layout, Pace, Pattern, PatternSpan, Radial,
+    Region, Spiral, Start, Turn,
 };
 pub use placing::{Axis, Datum, Fit, HeightDatum, Placing, PlacingError};
 pub use point_cloud::PointCloud;
+pub use polygon::{Polygon, PolygonError, offset, simplify_loop};
 pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
 pub use stitch::{StitchError, close_solid, point_cloud, stitch};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
+pub use trace::{TraceError, trace_level};
 
 /// Told how many units of work were done since the last call; answers whether to go on.
 pub type Tick<'a> = &'a (dyn Fn(usize) -> bool + Sync);

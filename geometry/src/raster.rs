@@ -7,6 +7,13 @@
 //!
 //! The last line, and the last point of a line, may stay short of the far border by less than a
 //! step.
+//!
+//! Climb and conventional. A spindle that turns clockwise seen from above (M3) moves the edges on the
+//! right of the cutter, seen along the feed, backwards. With the material there an edge enters it at full
+//! chip and leaves it at none: climb milling. With the material on the left it is conventional. Lines
+//! follow each other across, so the side on which material still stands is the one that they go
+//! towards; the feed direction is as told, and the order of lines is turned round where that side is
+//! wrong. The first line has material on both sides.
 
 use crate::pattern::{Layer, STEP_SLACK, between, push};
 use crate::{Bounds, Layout, Pace, Pattern, Region};
@@ -25,6 +32,10 @@ pub enum RasterStyle {
     Zigzag,
     /// All the same way; the cutter is lifted back.
     OneWay,
+    /// As one way, with the lines in such an order that what is uncut lies on the right.
+    Climb,
+    /// As one way, with what is uncut on the left.
+    Conventional,
 }
 
 /// Parallel passes over the XY rectangle of a box.
@@ -113,13 +124,35 @@ impl Raster {
     }
 
     fn lines<'a>(&'a self, area: &'a Bounds) -> Box<dyn Iterator<Item = Line> + 'a> {
-        match self.axis() {
-            Some(axis) => Box::new(self.lines_along_axis(area, axis)),
-            None => Box::new(self.lines_across(area).filter(|line| line.points > 0)),
+        match (self.axis(), self.is_reversed()) {
+            (Some(axis), false) => Box::new(self.lines_along_axis(area, axis)),
+            (Some(axis), true) => Box::new(self.lines_along_axis(area, axis).rev()),
+            (None, false) => Box::new(self.lines_across(area).filter(|line| line.points > 0)),
+            (None, true) => Box::new(self.lines_across(area).filter(|line| line.points > 0).rev()),
         }
     }
 
-    fn lines_along_axis(&self, area: &Bounds, axis: usize) -> impl Iterator<Item = Line> {
+    /// Whether the lines follow each other from the far side, for what is uncut to lie as the style wants.
+    fn is_reversed(&self) -> bool {
+        let feed = DVec2::from_angle(self.direction_rad);
+        let across = match self.axis() {
+            Some(axis) if axis.is_multiple_of(2) => DVec2::Y,
+            Some(_) => DVec2::X,
+            None => across_of(feed),
+        };
+        let uncut_on_left = feed.perp().dot(across) > 0.0;
+        match self.style {
+            RasterStyle::Zigzag | RasterStyle::OneWay => false,
+            RasterStyle::Climb => uncut_on_left,
+            RasterStyle::Conventional => !uncut_on_left,
+        }
+    }
+
+    fn lines_along_axis(
+        &self,
+        area: &Bounds,
+        axis: usize,
+    ) -> impl DoubleEndedIterator<Item = Line> {
         let size = area.size().truncate();
         let min = area.min.truncate();
         let (feed, across) =
@@ -134,7 +167,7 @@ impl Raster {
         })
     }
 
-    fn lines_across(&self, area: &Bounds) -> impl Iterator<Item = Line> {
+    fn lines_across(&self, area: &Bounds) -> impl DoubleEndedIterator<Item = Line> {
         let feed = DVec2::from_angle(self.direction_rad);
         let across = across_of(feed);
         let (min, max) = (area.min.truncate(), area.max.truncate());
@@ -180,7 +213,9 @@ impl Raster {
         }
         match self.style {
             RasterStyle::Zigzag => layer.into_pattern(false),
-            RasterStyle::OneWay => layer.into_lifted(),
+            RasterStyle::OneWay | RasterStyle::Climb | RasterStyle::Conventional => {
+                layer.into_lifted()
+            }
         }
     }
 
@@ -292,6 +327,50 @@ mod tests {
         let pattern = raster(std::f64::consts::PI, RasterStyle::OneWay).pattern(&area(3.0, 3.0));
         assert!((pattern.points[0].x - 4.0).abs() < 1e-12);
         assert_eq!(pattern.points[0].y, -2.0);
+    }
+
+    /// Cuts pass by pass and looks on which side of the feed there is something to be cut by those that
+    /// follow.
+    #[test]
+    fn climb_leaves_the_uncut_side_on_the_right_and_conventional_on_the_left() {
+        let triangle = [(1.0, -2.0), (5.0, -2.0), (2.0, 1.5)].map(|(x, y)| DVec2::new(x, y));
+        let triangle = crate::Polygon::new(vec![triangle.to_vec()]).unwrap();
+        let whole = Region::new(&area(4.0, 3.0)).unwrap();
+        let cut = whole.clone().within(triangle).unwrap();
+        for (style, right) in [(RasterStyle::Climb, true), (RasterStyle::Conventional, false)] {
+            for degrees in (-180..=360).step_by(15) {
+                for region in [&whole, &cut] {
+                    let grid = raster(f64::from(degrees).to_radians(), style);
+                    let pattern = Layout::pattern(&grid, region);
+                    assert!(pattern.spans.iter().all(|span| !span.joined && !span.link));
+                    let passes: Vec<&[DVec2]> =
+                        pattern.spans.iter().map(|s| &pattern.points[s.points.clone()]).collect();
+                    let feed = DVec2::from_angle(grid.direction_rad);
+                    for pair in passes.windows(2) {
+                        let along = pair[0][pair[0].len() - 1] - pair[0][0];
+                        assert!(along.dot(feed) >= along.length() - 1e-9, "{degrees}: another way");
+                        let uncut = pair[1][0] - pair[0][0];
+                        let to_the_right = -feed.perp().dot(uncut);
+                        assert!((to_the_right.abs() - 0.3).abs() < 1e-6, "{degrees}");
+                        assert_eq!(to_the_right > 0.0, right, "{style:?} at {degrees}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn climb_has_the_points_of_one_way() {
+        for degrees in [0.0, 90.0, 180.0, -90.0, 33.0, 200.0_f64] {
+            let sorted = |style| {
+                let mut points =
+                    raster(degrees.to_radians(), style).pattern(&area(4.0, 3.0)).points;
+                points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+                points
+            };
+            assert_eq!(sorted(RasterStyle::Climb), sorted(RasterStyle::OneWay));
+            assert_eq!(sorted(RasterStyle::Conventional), sorted(RasterStyle::OneWay));
+        }
     }
 
     #[test]

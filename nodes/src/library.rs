@@ -17,5 +17,6 @@ pub const LIBRARY: Library = Library {
         ("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png")),
         ("samples/shell.obj", include_bytes!("../../graphs/samples/shell.obj")),
         ("samples/shell.xyz", include_bytes!("../../graphs/samples/shell.xyz")),
+        ("samples/sun_mask.png", include_bytes!("../../graphs/samples/sun_mask.png")),
     ],
 };

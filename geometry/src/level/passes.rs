@@ -2,7 +2,7 @@
 
 use super::ground::Ground;
 use super::{Outline, heights};
-use crate::pattern::{Polygon, PolygonError};
+
 use crate::{
     Bounds, Contact, DropCutter, DropError, Pattern, PatternSpan, Profile, Region, Span, SpanKind,
     Surface, Tick, Toolpath,

@@ -12,7 +12,7 @@ use glam::DVec2;
 use std::collections::HashMap;
 
 /// Points closer than this, in mm, are one: no program tells them apart.
-const MERGE_MM: f64 = 1e-6;
+pub(super) const MERGE_MM: f64 = 1e-6;
 
 /// A link is at most this many stepovers long. A lift costs some centimetres at low speed, so short
 /// ways along the border are better, but they cut nothing. Ten reach from arc to arc along the side

@@ -13,6 +13,7 @@ mod hilbert;
 mod layer;
 mod radial;
 mod region;
+mod remnant;
 mod spiral;
 #[cfg(test)]
 mod tests;
@@ -22,7 +23,7 @@ pub use contour::ContourParallel;
 pub use cross::CrossRaster;
 pub use hilbert::Hilbert;
 pub use radial::Radial;
-pub use region::{Polygon, PolygonError, Region};
+pub use region::Region;
 pub use spiral::Spiral;
 
 pub(crate) use even::{STEP_SLACK, along, between};

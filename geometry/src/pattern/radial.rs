@@ -1,10 +1,14 @@
-//! Spokes from the middle of a region, fewer near it.
+//! Spokes about the middle of a region, fewer near it.
 //!
-//! At a radius r spokes that are a stepover s apart number 2πr / s. So that the middle is not worn
-//! by all of them, they come in levels: `n·2^j` equal angles at level j, of which every second is
-//! new. A new spoke begins at the radius where those of the levels before are s apart,
-//! `s·n·2^(j-1) / 2π`; level 0 begins in the middle. So neighbouring spokes are between s/2 and s
-//! apart, but for the innermost circle.
+//! At a radius r spokes that are a stepover s apart number 2πr / s. So the region is divided into rings
+//! about the middle, each of twice the radius of the one in it, with `n·2^j` spokes in ring j: it begins
+//! where those of ring j - 1 are s apart, at `s·n·2^(j-1) / 2π`, and ring 0 in the middle. So neighbouring
+//! spokes are between s/2 and s apart, but for the innermost circle.
+//!
+//! The first spoke goes from the border to the middle through all rings. Then ring by ring is passed, out
+//! on one spoke and in on the next, from beside the first spoke around to its other side. That is an odd
+//! number of spokes, so that each ring is left at its outer end, where the next begins: in a round region
+//! the cutter is never lifted and crosses no pass.
 //!
 //! Limits: up to a stepover is left in corners between the ends of two spokes; the border pass
 //! covers it.
@@ -23,18 +27,16 @@ pub struct Radial {
     pub border: bool,
 }
 
-/// Between half as many spokes as this and this many meet in the middle. With six, level 1 begins
+/// Between half as many spokes as this and this many meet in the middle. With six, ring 1 begins
 /// where they are a stepover apart, about a stepover from the middle.
 const MOST_IN_MIDDLE: f64 = 6.0;
 
-/// The spokes that begin at one radius.
-struct Level {
-    start_mm: f64,
-    /// New spokes.
+/// The spokes between two radii.
+struct Ring {
+    from_mm: f64,
+    to_mm: f64,
+    /// All of them, the first one included.
     spokes: usize,
-    /// Angle of the first, and from one to the next, in turns.
-    first: f64,
-    step: f64,
 }
 
 impl Layout for Radial {
@@ -42,13 +44,10 @@ impl Layout for Radial {
         if !self.pace.is_sound() {
             return f64::INFINITY;
         }
-        let reach_mm = region.reach_mm();
-        self.levels(reach_mm)
-            .map(|level| {
-                let length_mm = (reach_mm - level.start_mm).max(0.0);
-                level.spokes as f64 * (parts(length_mm, self.pace.feed_step_mm) + 1.0)
-            })
-            .sum()
+        let points = |length_mm: f64| parts(length_mm, self.pace.feed_step_mm) + 1.0;
+        let rings = self.rings(region.reach_mm());
+        points(region.reach_mm())
+            + rings.map(|ring| ring.spokes as f64 * points(ring.to_mm - ring.from_mm)).sum::<f64>()
     }
 
     fn pattern(&self, region: &Region) -> Pattern {
@@ -57,11 +56,12 @@ impl Layout for Radial {
             Err(pattern) => return pattern,
         };
         let (center, reach_mm) = (region.center(), region.reach_mm());
-        for level in self.levels(reach_mm) {
-            for k in 0..level.spokes {
-                let out = DVec2::from_angle(TAU * (level.first + level.step * k as f64));
-                let mut ends = [center + out * level.start_mm, center + out * reach_mm];
-                if k % 2 == 1 {
+        self.add_spoke(&mut layer, region, [center + DVec2::X * reach_mm, center]);
+        for ring in self.rings(reach_mm) {
+            for k in 1..ring.spokes {
+                let out = DVec2::from_angle(TAU * k as f64 / ring.spokes as f64);
+                let mut ends = [center + out * ring.from_mm, center + out * ring.to_mm];
+                if k % 2 == 0 {
                     ends.reverse();
                 }
                 self.add_spoke(&mut layer, region, ends);
@@ -75,19 +75,20 @@ impl Layout for Radial {
 }
 
 impl Radial {
-    /// The levels that a region of radius `reach_mm` needs, from the middle.
-    fn levels(&self, reach_mm: f64) -> impl Iterator<Item = Level> {
+    /// The rings of a region of radius `reach_mm`, from the middle.
+    fn rings(&self, reach_mm: f64) -> impl Iterator<Item = Ring> {
         let needed = (TAU * reach_mm / self.pace.stepover_mm).max(3.0);
         let doublings = (needed / MOST_IN_MIDDLE).log2().ceil().max(0.0) as i32;
         let in_middle = (needed / f64::from(doublings).exp2()).ceil();
         let stepover_mm = self.pace.stepover_mm;
         (0..=doublings).map(move |j| {
-            let all = in_middle * f64::from(j).exp2();
-            if j == 0 {
-                return Level { start_mm: 0.0, spokes: all as usize, first: 0.0, step: 1.0 / all };
+            let spokes = in_middle * f64::from(j).exp2();
+            let radius_mm = |spokes: f64| (stepover_mm * spokes / TAU).min(reach_mm);
+            Ring {
+                from_mm: if j == 0 { 0.0 } else { radius_mm(spokes / 2.0) },
+                to_mm: if j == doublings { reach_mm } else { radius_mm(spokes) },
+                spokes: spokes as usize,
             }
-            let start_mm = stepover_mm * all / 2.0 / TAU;
-            Level { start_mm, spokes: (all / 2.0) as usize, first: 1.0 / all, step: 2.0 / all }
         })
     }
 

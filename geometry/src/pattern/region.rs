@@ -4,113 +4,16 @@
 //! region. A straight line is cut where it crosses an edge; of the parts in between, those whose
 //! middle is inside are kept. Edges are sorted into bands of y, so that a short line meets few.
 
-use crate::Bounds;
+use crate::{Bounds, Polygon};
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
 /// A place this close to an edge, in mm, is on it. Coordinates of 10 m are exact to 2e-12 mm, and
 /// no program tells 1e-7 mm apart.
 const EDGE_SLACK_MM: f64 = 1e-9;
 
-/// More corners than any drawing of an outline needs; checks and cuts stay fast.
-const MAX_CORNERS: usize = 100_000;
-
 /// More bands serve no outline, and each takes 24 bytes.
 const MAX_BANDS: usize = 4096;
-
-/// Closed loops over the XY plane; inside is what an odd number of them surround.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Vec<Vec<DVec2>>", into = "Vec<Vec<DVec2>>")]
-pub struct Polygon {
-    loops: Vec<Vec<DVec2>>,
-}
-
-/// Why loops are no polygon.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
-pub enum PolygonError {
-    /// There is no loop.
-    #[error("there is no loop")]
-    Empty,
-    /// A loop of less than three corners.
-    #[error("loop {loop_number} has {corners} corners; the least is 3")]
-    TooFewCorners {
-        /// Which loop, from 1.
-        loop_number: usize,
-        /// How many it has.
-        corners: usize,
-    },
-    /// A coordinate that is not a number.
-    #[error("loop {loop_number} has a corner that is not finite")]
-    NotFinite {
-        /// Which loop, from 1.
-        loop_number: usize,
-    },
-    /// More than can be handled in time.
-    #[error("there are {corners} corners; the limit is {MAX_CORNERS}")]
-    TooManyCorners {
-        /// How many there are.
-        corners: usize,
-    },
-}
-
-impl TryFrom<Vec<Vec<DVec2>>> for Polygon {
-    type Error = PolygonError;
-
-    fn try_from(loops: Vec<Vec<DVec2>>) -> Result<Self, PolygonError> {
-        Self::new(loops)
-    }
-}
-
-impl From<Polygon> for Vec<Vec<DVec2>> {
-    fn from(polygon: Polygon) -> Self {
-        polygon.loops
-    }
-}
-
-impl Polygon {
-    /// A polygon of loops, each the list of its corners; the last is joined to the first.
-    ///
-    /// # Errors
-    /// If there is no loop, one of less than three corners, a coordinate that is not finite, or
-    /// more corners than the limit.
-    pub fn new(loops: Vec<Vec<DVec2>>) -> Result<Self, PolygonError> {
-        let corners = loops.iter().map(Vec::len).sum();
-        if loops.is_empty() {
-            return Err(PolygonError::Empty);
-        }
-        if corners > MAX_CORNERS {
-            return Err(PolygonError::TooManyCorners { corners });
-        }
-        for (corners, loop_number) in loops.iter().zip(1..) {
-            if corners.len() < 3 {
-                return Err(PolygonError::TooFewCorners { loop_number, corners: corners.len() });
-            }
-            if !corners.iter().all(|corner| corner.is_finite()) {
-                return Err(PolygonError::NotFinite { loop_number });
-            }
-        }
-        Ok(Self { loops })
-    }
-
-    /// The loops, each the list of its corners.
-    #[must_use]
-    pub fn loops(&self) -> &[Vec<DVec2>] {
-        &self.loops
-    }
-
-    fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> {
-        self.loops.iter().flat_map(|corners| {
-            let next = corners.iter().cycle().skip(1);
-            corners.iter().zip(next).map(|(a, b)| [*a, *b])
-        })
-    }
-
-    fn extent(&self) -> (DVec2, DVec2) {
-        let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        self.loops.iter().flatten().fold(start, |(min, max), p| (min.min(*p), max.max(*p)))
-    }
-}
 
 /// Where passes may run.
 #[derive(Clone, Debug)]
@@ -207,6 +110,15 @@ impl Region {
         let slack = EDGE_SLACK_MM / a.distance(b).max(EDGE_SLACK_MM);
         let inside: f64 = self.inside(a, b).iter().map(|(from, to)| to - from).sum();
         inside >= 1.0 - 2.0 * slack
+    }
+
+    /// Its inside as a polygon: clean, but for the rectangle, which begins at its least corner. `None`
+    /// if it has no inside.
+    pub(crate) fn polygon(&self) -> Option<Polygon> {
+        let Some(Boundary { polygon, area, .. }) = &self.boundary else {
+            return Polygon::rectangle(self.min(), self.max()).ok();
+        };
+        polygon.and(&Polygon::rectangle(area.0, area.1).ok()?)
     }
 
     /// The lines that bound it, as corners; closed lines end where they begin. Where an edge of the

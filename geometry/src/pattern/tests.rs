@@ -2,7 +2,7 @@
 //! outside, points are even, counts are told beforehand.
 
 use super::*;
-use crate::{Bounds, Raster, RasterStyle};
+use crate::{Bounds, Polygon, Raster, RasterStyle};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -46,6 +46,8 @@ fn layouts(pace: Pace) -> Vec<(&'static str, Box<dyn Layout>)> {
     vec![
         ("raster", Box::new(raster(0.0, zigzag))),
         ("slanted", Box::new(raster(30.0, RasterStyle::OneWay))),
+        ("raster climb", Box::new(raster(90.0, RasterStyle::Climb))),
+        ("cross climb", Box::new(CrossRaster { first: raster(20.0, RasterStyle::Climb) })),
         ("cross", Box::new(CrossRaster { first: raster(45.0, zigzag) })),
         ("spiral", Box::new(Spiral { pace, start, turn, border })),
         ("spiral in", Box::new(Spiral { pace, start: outside, turn: clockwise, border })),
@@ -111,7 +113,7 @@ fn passes_stay_inside_go_in_small_steps_and_are_counted() {
         for region in &regions {
             for (name, layout) in layouts(pace) {
                 let pattern = layout.pattern(region);
-                assert!(!pattern.points.is_empty() || name.starts_with("contour"), "{name}");
+                assert!(!pattern.points.is_empty(), "{name}");
                 assert_sound(name, &pattern, region, pace);
                 assert_eq!(pattern, layout.pattern(region), "{name} differs from itself");
                 let passes = pattern.spans.iter().filter(|span| !span.link);
@@ -130,9 +132,11 @@ fn every_place_is_within_half_a_stepover_of_a_pass() {
         for (name, layout) in layouts(PACE) {
             // A raster may stay short of the far border by a step, and points lie apart.
             let most = match name {
-                "raster" | "slanted" | "cross" => 1.5 * PACE.stepover_mm,
+                "raster" | "slanted" | "cross" | "raster climb" | "cross climb" => {
+                    1.5 * PACE.stepover_mm
+                }
                 "hilbert" => 0.5_f64.sqrt() * PACE.stepover_mm,
-                "contour" | "contour out" => (2.0 - 2.0_f64.sqrt()) * PACE.stepover_mm,
+                "contour" | "contour out" => 0.65 * PACE.stepover_mm,
                 _ => PACE.stepover_mm / 2.0 + PACE.sagitta_mm(),
             };
             let pattern = layout.pattern(&region);
@@ -149,8 +153,10 @@ fn a_boundary_is_covered_as_a_rectangle_is() {
     for region in [star(), angle()] {
         for (name, layout) in layouts(PACE) {
             let most = match name {
-                "contour" | "contour out" => continue,
-                "raster" | "slanted" | "cross" => 1.5 * PACE.stepover_mm,
+                "contour" | "contour out" => 0.65 * PACE.stepover_mm,
+                "raster" | "slanted" | "cross" | "raster climb" | "cross climb" => {
+                    1.5 * PACE.stepover_mm
+                }
                 // Next to the border the cells' middles may lie outside.
                 "hilbert" => 2.0 * PACE.stepover_mm,
                 _ => PACE.stepover_mm / 2.0 + PACE.sagitta_mm(),
@@ -167,7 +173,7 @@ fn a_boundary_is_covered_as_a_rectangle_is() {
 #[test]
 fn an_area_without_width_is_passed_over_once() {
     for (name, layout) in layouts(PACE) {
-        if !["raster", "slanted", "cross"].contains(&name) {
+        if !["raster", "slanted", "cross", "raster climb", "cross climb"].contains(&name) {
             let line = layout.pattern(&region(0.0, 3.0));
             assert_eq!((line.spans.len(), line.points.len()), (1, 9), "{name}");
         }
@@ -295,10 +301,14 @@ fn rectangles_within_a_rectangle_are_as_long_as_their_closed_form() {
         let length: f64 = points.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         assert!((length - 2.0 * (12.0 + 8.5 - 4.0 * f64::from(inset))).abs() < 1e-9, "{length}");
     }
-    // Here they would leave 1.6 across, so that one more leaves 1.
+    // Here they leave 1.6 across, so that the middle line is passed.
     let pattern = ContourParallel { pace, start, turn }.pattern(&region(12.0, 9.6));
     let last = &pattern.points[pattern.spans.last().unwrap().points.clone()];
-    assert!((last[0].y - (-2.0 + 4.3)).abs() < 1e-9);
+    assert!(last.iter().all(|p| (p.y - (-2.0 + 4.8)).abs() < 0.03));
+    // It ends where corners are as far as its sides.
+    let ends = [last[0].x, last[last.len() - 1].x];
+    assert!((ends[0].min(ends[1]) - (1.0 + 4.8)).abs() < 0.03, "{ends:?}");
+    assert!((ends[0].max(ends[1]) - (1.0 + 12.0 - 4.8)).abs() < 0.03, "{ends:?}");
 }
 
 #[test]
@@ -366,13 +376,102 @@ fn a_cross_begins_with_the_plain_raster() {
     assert!((step.y.abs() - 0.4).abs() < 1e-12 && step.x.abs() < 1e-12);
 }
 
+/// Every straight move of a pattern on the surface, and its lone points.
+fn moves(pattern: &Pattern) -> Vec<[DVec2; 2]> {
+    let along = |span: &PatternSpan| {
+        let first = if span.joined { span.points.start - 1 } else { span.points.start };
+        let points = &pattern.points[first..span.points.end];
+        let lone = (points.len() == 1).then(|| [points[0], points[0]]);
+        points.windows(2).map(|pair| [pair[0], pair[1]]).chain(lone).collect::<Vec<_>>()
+    };
+    pattern.spans.iter().flat_map(along).collect()
+}
+
 #[test]
-fn polygons_that_are_none_are_refused() {
-    let square = vec![DVec2::ZERO, DVec2::X, DVec2::ONE];
-    assert_eq!(Polygon::new(vec![]), Err(PolygonError::Empty));
-    let bad = Polygon::new(vec![square.clone(), vec![DVec2::ZERO; 2]]).unwrap_err();
-    assert_eq!(bad.to_string(), "loop 2 has 2 corners; the least is 3");
-    assert!(Polygon::new(vec![vec![DVec2::NAN; 3]]).is_err());
-    assert!(Polygon::new(vec![vec![DVec2::ZERO; 100_001]]).is_err());
-    assert!(region(1.0, 1.0).within(Polygon::new(vec![square]).unwrap()).is_none());
+fn rings_cover_regions_of_any_kind_and_stay_inside() {
+    let mut rng = fastrand::Rng::with_seed(11);
+    let area = Bounds { min: DVec3::splat(5.0), max: DVec3::new(90.0, 100.0, 9.0) };
+    for kind in (0..6).cycle().take(36) {
+        let polygon = crate::polygon::nasty(&mut rng, kind);
+        let region = Region::new(&area).unwrap().within(polygon).unwrap();
+        let stepover_mm = [0.7, 2.0, 5.0, 30.0][rng.usize(..4)];
+        let pace = Pace { stepover_mm, feed_step_mm: stepover_mm };
+        let start = [Start::Middle, Start::Outside][rng.usize(..2)];
+        let turn = [Turn::Clockwise, Turn::CounterClockwise][rng.usize(..2)];
+        let pattern = ContourParallel { pace, start, turn }.pattern(&region);
+        assert_sound("contour", &pattern, &region, pace);
+        let moves = moves(&pattern);
+        let mut tried = 0;
+        for _ in 0..3000 {
+            let place = DVec2::new(rng.f64(), rng.f64()) * 100.0;
+            if tried == 150 || !region.contains(place) {
+                continue;
+            }
+            tried += 1;
+            let off = moves.iter().map(|[a, b]| crate::polygon::distance(place, *a, *b));
+            let off = off.fold(f64::INFINITY, f64::min) / stepover_mm;
+            assert!(off < 0.65, "{kind}, stepover {stepover_mm}: {place} is {off} off");
+        }
+    }
+}
+
+/// The side on which rings leave material for the passes that follow: the right in climb milling with a
+/// spindle that turns clockwise.
+#[test]
+fn from_the_middle_counter_clockwise_rings_are_climb_around_holes_too() {
+    let square = |half: f64| {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        corners.map(|(x, y)| DVec2::splat(10.0) + half * DVec2::new(x, y)).to_vec()
+    };
+    let frame = Polygon::new(vec![square(9.0), square(3.0)]).unwrap();
+    let area = Bounds { min: DVec3::ZERO, max: DVec3::splat(20.0) };
+    let region = Region::new(&area).unwrap().within(frame).unwrap();
+    let sides = |p: DVec2| {
+        let off = (p - 10.0).abs();
+        let beyond = off - 3.0;
+        let inner = beyond.max(DVec2::ZERO).length() + beyond.max_element().min(0.0);
+        [9.0 - off.max_element(), inner]
+    };
+    let depth = |p: DVec2| sides(p)[0].min(sides(p)[1]);
+    let pace = Pace { stepover_mm: 1.0, feed_step_mm: 0.5 };
+    for (start, turn, climb) in [
+        (Start::Middle, Turn::CounterClockwise, true),
+        (Start::Middle, Turn::Clockwise, false),
+        (Start::Outside, Turn::Clockwise, true),
+        (Start::Outside, Turn::CounterClockwise, false),
+    ] {
+        let pattern = ContourParallel { pace, start, turn }.pattern(&region);
+        for span in pattern.spans.iter().filter(|span| !span.link) {
+            let points = &pattern.points[span.points.clone()];
+            for pair in points.windows(2) {
+                let (middle, along) = (pair[0].midpoint(pair[1]), pair[1] - pair[0]);
+                let right = -along.perp().normalize() * 0.1;
+                // The middle line has no side.
+                let [outer, inner] = sides(middle);
+                if (outer - inner).abs() > 0.3 {
+                    let stands = match start {
+                        Start::Middle => depth(middle + right) < depth(middle),
+                        Start::Outside => depth(middle + right) > depth(middle),
+                    };
+                    assert_eq!(stands, climb, "{start:?} {turn:?} at {middle}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_island_is_finished_before_the_next() {
+    let island = |x: f64| {
+        let corners = [(x, 0.0), (x + 30.0, 0.0), (x + 30.0, 30.0), (x, 30.0)];
+        corners.map(|(x, y)| DVec2::new(x, y)).to_vec()
+    };
+    let islands = Polygon::new(vec![island(0.0), island(40.0), island(80.0)]).unwrap();
+    let area = Bounds { min: DVec3::ZERO, max: DVec3::splat(200.0) };
+    let region = Region::new(&area).unwrap().within(islands).unwrap();
+    for start in [Start::Middle, Start::Outside] {
+        let rings = ContourParallel { pace: PACE, start, turn: Turn::Clockwise };
+        let pattern = rings.pattern(&region);
+        assert_eq!(pattern.spans.iter().filter(|span| !span.joined).count(), 3);
+    }
 }

@@ -21,8 +21,8 @@ pub(crate) use drop_on_mesh::DropOnMesh;
 pub(crate) use drop_on_points::DropOnPoints;
 pub(crate) use link::Link;
 pub(crate) use pattern::{
-    CirclesNode, ContourParallelNode, CrossRasterNode, HilbertNode, MAX_POINTS, PolygonNode,
-    RadialNode, SpiralNode,
+    CirclesNode, ContourParallelNode, CrossRasterNode, HilbertNode, MAX_POINTS, OffsetPolygon,
+    PolygonNode, RadialNode, SpiralNode,
 };
 pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;

@@ -32,6 +32,10 @@ pub(crate) enum Style {
     Zigzag,
     /// All the same way, lifted back in between.
     OneWay,
+    /// As one way, in the order that leaves material on the right: climb with a clockwise spindle.
+    Climb,
+    /// As one way, in the order that leaves material on the left.
+    Conventional,
 }
 
 /// The side that passes run along.
@@ -50,6 +54,8 @@ impl From<Style> for RasterStyle {
         match style {
             Style::Zigzag => Self::Zigzag,
             Style::OneWay => Self::OneWay,
+            Style::Climb => Self::Climb,
+            Style::Conventional => Self::Conventional,
         }
     }
 }
@@ -111,6 +117,16 @@ mod tests {
         assert_eq!(first_step(&along(Along::X), 5.0, 9.0), DVec2::X);
         assert_eq!(first_step(&along(Along::Y), 9.0, 5.0), DVec2::Y);
         assert_eq!(first_step(&RasterNode { angle: 90.0, ..NODE }, 9.0, 5.0), DVec2::Y);
+    }
+
+    #[test]
+    fn climb_keeps_what_is_uncut_on_the_right() {
+        for (style, first_y) in
+            [(Style::OneWay, 0.0), (Style::Climb, 5.0), (Style::Conventional, 0.0)]
+        {
+            let points = pattern(&RasterNode { style, ..NODE }, 9.0, 5.0).unwrap().points;
+            assert_eq!((points[0], points[1].x), (DVec2::new(0.0, first_y), 1.0), "{style:?}");
+        }
     }
 
     #[test]

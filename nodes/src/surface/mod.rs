@@ -1,5 +1,9 @@
-//! Surfaces: made of pictures and points, read from files, turned and looked at.
+//! Surfaces: made of pictures and points, read from files, turned, cropped and looked at.
 
+mod crop_field;
+mod crop_mesh;
+mod crop_points;
+mod cropping;
 mod inspect_mesh;
 mod load_mesh;
 mod load_points;
@@ -13,6 +17,9 @@ mod transform_points;
 mod unit;
 mod z_map;
 
+pub(crate) use crop_field::CropField;
+pub(crate) use crop_mesh::CropMesh;
+pub(crate) use crop_points::CropPoints;
 pub(crate) use inspect_mesh::InspectMesh;
 pub(crate) use load_mesh::LoadMesh;
 pub(crate) use load_points::LoadPoints;

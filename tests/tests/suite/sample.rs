@@ -8,3 +8,7 @@ mod medallion;
 #[allow(dead_code, unreachable_pub, reason = "an example is a program of its own")]
 #[path = "../../../nodes/examples/shell.rs"]
 mod shell;
+
+#[allow(dead_code, unreachable_pub, reason = "an example is a program of its own")]
+#[path = "../../../nodes/examples/sun_mask.rs"]
+mod sun_mask;

@@ -16,7 +16,8 @@ pub(crate) struct CirclesNode {
     /// Where the passes begin.
     #[param(default = Begin::Middle)]
     pub(crate) from: Begin,
-    /// Which way round they go. Arcs cut by the border go there and back.
+    /// Which way round they go; from the middle counter-clockwise is climb, from outside clockwise. Arcs
+    /// cut by the border go there and back.
     #[param(default = Direction::CounterClockwise)]
     pub(crate) direction: Direction,
     /// Whether a pass around the border covers what is left of corners.

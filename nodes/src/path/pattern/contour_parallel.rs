@@ -1,10 +1,10 @@
-//! Rectangles within a rectangle.
+//! Passes parallel to the outlines of a part or of a boundary.
 
 use super::{Area, Begin, Direction, Passes, laid};
-use carvegraph_core::{Context, Inputs, Node, NodeError, Params};
-use carvegraph_geometry::{Bounds, ContourParallel, Pace};
+use carvegraph_core::{Context, Node, NodeError, Params};
+use carvegraph_geometry::{ContourParallel, Pace};
 
-/// Lays passes parallel to the part's border, each within the last.
+/// Lays passes parallel to the outlines of a part or of a boundary, each within the last.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct ContourParallelNode {
     /// Distance between neighbouring passes.
@@ -16,33 +16,29 @@ pub(crate) struct ContourParallelNode {
     /// Where the passes begin.
     #[param(default = Begin::Outside)]
     pub(crate) from: Begin,
-    /// Which way round they go.
+    /// Which way round they go, around holes the other way; from outside clockwise is climb, from the
+    /// middle counter-clockwise.
     #[param(default = Direction::CounterClockwise)]
     pub(crate) direction: Direction,
 }
 
-#[derive(Inputs)]
-pub(crate) struct Rectangle<'a> {
-    /// The box that holds the part.
-    area: &'a Bounds,
-}
-
 impl Node for ContourParallelNode {
     const KIND: &'static str = "contour_parallel";
-    type Inputs<'a> = Rectangle<'a>;
+    const VERSION: u32 = 2;
+    type Inputs<'a> = Area<'a>;
     type Outputs = Passes;
 
-    fn run(&self, rectangle: Rectangle<'_>, _: &Context<'_>) -> Result<Passes, NodeError> {
+    fn run(&self, area: Area<'_>, _: &Context<'_>) -> Result<Passes, NodeError> {
         let pace = Pace { stepover_mm: self.stepover, feed_step_mm: self.feed_step };
         let layout =
             ContourParallel { pace, start: self.from.start(), turn: self.direction.turn() };
-        laid(&layout, pace, &Area { area: rectangle.area, boundary: None })
+        laid(&layout, pace, &area)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{over, refusal};
+    use super::super::testing::{over, over_half, refusal};
     use super::*;
     use crate::testing::run;
     use carvegraph_geometry::{DVec2, Pattern};
@@ -55,7 +51,7 @@ mod tests {
     };
 
     fn made(node: &ContourParallelNode) -> Result<Pattern, NodeError> {
-        over((10.0, 10.0), |Area { area, .. }| run(|cx| node.run(Rectangle { area }, cx)))
+        over((10.0, 10.0), |area| run(|cx| node.run(area, cx)))
     }
 
     #[test]
@@ -65,6 +61,17 @@ mod tests {
         let out = ContourParallelNode { from: Begin::Middle, ..NODE };
         let out = made(&out).unwrap().points;
         assert!(out[0].distance(ring) < 1.0 && out[out.len() - 1].min_element() < 1e-9);
+    }
+
+    #[test]
+    fn rings_follow_a_boundary() {
+        let half = over_half((10.0, 10.0), |area| run(|cx| NODE.run(area, cx)));
+        // The slanted side of the triangle is passed along.
+        let on_it = |p: &&DVec2| (p.x + p.y - 10.0).abs() < 1e-9;
+        assert!(half.points.iter().filter(on_it).count() > 25);
+        // Its inside is 2.9 mm deep: the rings at 0, 1 and 2 mm, and passes in the middle.
+        let passes = half.spans.iter().filter(|span| !span.link).count();
+        assert!((4..12).contains(&passes), "{passes}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod circles;
 mod contour_parallel;
 mod cross_raster;
 mod hilbert;
+mod offset_polygon;
 mod polygon;
 mod radial;
 mod spiral;
@@ -13,6 +14,7 @@ pub(crate) use circles::CirclesNode;
 pub(crate) use contour_parallel::ContourParallelNode;
 pub(crate) use cross_raster::CrossRasterNode;
 pub(crate) use hilbert::HilbertNode;
+pub(crate) use offset_polygon::OffsetPolygon;
 pub(crate) use polygon::PolygonNode;
 pub(crate) use radial::RadialNode;
 pub(crate) use spiral::SpiralNode;
@@ -55,7 +57,8 @@ impl Begin {
     }
 }
 
-/// Which way round passes go.
+/// Which way round passes go. With a spindle that turns clockwise (M3) it is climb milling where material
+/// still stands on the right of the feed: counter-clockwise from the middle, clockwise from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
 pub(crate) enum Direction {
     /// Against the clock, seen from above.

@@ -1,4 +1,4 @@
-//! Spokes from the middle of a part.
+//! Spokes about the middle of a part.
 
 use super::{Area, Passes, laid};
 use carvegraph_core::{Context, Node, NodeError, Params};
@@ -20,6 +20,7 @@ pub(crate) struct RadialNode {
 
 impl Node for RadialNode {
     const KIND: &'static str = "radial";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Area<'a>;
     type Outputs = Passes;
 
@@ -38,9 +39,11 @@ mod tests {
     const NODE: RadialNode = RadialNode { stepover: 1.0, feed_step: 0.5, border: true };
 
     #[test]
-    fn spokes_begin_in_the_middle_and_keep_to_a_boundary() {
+    fn the_first_spoke_leads_to_the_middle_and_all_keep_to_a_boundary() {
         let all = over((10.0, 10.0), |area| run(|cx| NODE.run(area, cx))).unwrap();
-        assert_eq!(all.points[0], carvegraph_geometry::DVec2::splat(5.0));
+        let ends = [(10.0, 5.0), (5.0, 5.0)].map(|(x, y)| carvegraph_geometry::DVec2::new(x, y));
+        let first = &all.points[all.spans[0].points.clone()];
+        assert_eq!([first[0], first[first.len() - 1]], ends);
         let bare = RadialNode { border: false, ..NODE };
         let bare = over((10.0, 10.0), |area| run(|cx| bare.run(area, cx))).unwrap();
         assert!(bare.points.len() + 70 < all.points.len());
