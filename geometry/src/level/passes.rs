@@ -2,10 +2,9 @@
 
 use super::ground::Ground;
 use super::{Outline, heights};
-
 use crate::{
-    Bounds, Contact, DropCutter, DropError, Pattern, PatternSpan, Profile, Region, Span, SpanKind,
-    Surface, Tick, Toolpath,
+    Bounds, Contact, DropCutter, DropError, Pattern, PatternSpan, Polygon, PolygonError, Profile,
+    Region, Span, SpanKind, Surface, Tick, Toolpath,
 };
 use glam::{DVec2, DVec3};
 
@@ -64,9 +63,11 @@ pub enum Entry {
 
 /// What passes at levels have in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
+pub struct Levels<'a> {
     /// Where the tip may go, in plan.
     pub area: Bounds,
+    /// What of it the passes are laid over; all of it if there is none.
+    pub boundary: Option<&'a Polygon>,
     /// Top of the stock, in mm.
     pub top_mm: f64,
     /// No level is below it, in mm; the tip is there where nothing lies under the cutter.
@@ -92,9 +93,9 @@ pub(super) struct Level {
     pattern: Pattern,
 }
 
-impl Levels {
-    /// Plans each level with `plan`, which is told the outlines and the region they bound, from the top
-    /// down, and makes a path of the passes. Between passes that do not follow each other it is not
+impl Levels<'_> {
+    /// Plans each level with `plan`, which is told the outlines and the region they and the boundary
+    /// bound, from the top down, and makes a path of the passes. Between passes that do not follow each other it is not
     /// joined; it has no speeds. The passes that clear all of a level (`clears`) make way for the next one.
     ///
     /// `tick` counts levels twice: planned and dropped.
@@ -160,7 +161,7 @@ impl Levels {
         let mut from_z = self.top_mm;
         for z in heights(self.top_mm, bottom, self.step_mm) {
             let outlines = ground.outlines(z, self.tolerance_mm, tick).ok_or(DropError::Stopped)?;
-            if let Some(region) = region(&self.area, &outlines, z)? {
+            if let Some(region) = region(&self.area, self.boundary, &outlines, z)? {
                 let pattern = plan(&outlines, &region);
                 planned.push(Level { z, from_z, region, pattern });
             }
@@ -194,15 +195,25 @@ fn within(
     }
 }
 
-/// What outlines bound; nothing if there are none.
-fn region(area: &Bounds, outlines: &[Outline], z_mm: f64) -> Result<Option<Region>, LevelError> {
+/// What outlines bound within the boundary; nothing if there are none, or beside it.
+fn region(
+    area: &Bounds,
+    boundary: Option<&Polygon>,
+    outlines: &[Outline],
+    z_mm: f64,
+) -> Result<Option<Region>, LevelError> {
     if outlines.is_empty() {
         return Ok(None);
     }
     let places = |outline: &Outline| outline.corners.iter().map(|corner| corner.at).collect();
     let polygon = Polygon::new(outlines.iter().map(places).collect());
     let polygon = polygon.map_err(|fault| LevelError::Outline { z_mm, fault })?;
-    Ok(Region::new(area).and_then(|region| region.within(polygon)))
+    let polygon = match boundary {
+        Some(boundary) => polygon.and(boundary),
+        None => Some(polygon),
+    };
+    let region = |polygon| Region::new(area).and_then(|region| region.within(polygon));
+    Ok(polygon.and_then(region))
 }
 
 /// Passes that follow each other along the surface.

@@ -3,8 +3,8 @@
 use super::{LevelError, Levels, Milling, Outline};
 use crate::pattern::{Layer, along};
 use crate::{
-    ContourParallel, Layout, Pace, Pattern, Profile, Raster, RasterStyle, Region, Start, Surface,
-    Tick, Toolpath, Turn,
+    ContourParallel, Layout, Pace, Pattern, Polygon, Profile, Raster, RasterStyle, Region, Start,
+    Surface, Tick, Toolpath, Turn,
 };
 use glam::DVec2;
 
@@ -19,9 +19,9 @@ pub enum RoughStyle {
 
 /// Roughing in levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rough {
+pub struct Rough<'a> {
     /// Where, how high and how exact.
-    pub levels: Levels,
+    pub levels: Levels<'a>,
     /// Distance between neighbouring passes, in mm, positive.
     pub stepover_mm: f64,
     /// How a level is cleared.
@@ -30,7 +30,7 @@ pub struct Rough {
     pub milling: Milling,
 }
 
-impl Rough {
+impl Rough<'_> {
     /// The passes, from the highest level to the lowest.
     ///
     /// `tick` counts levels, of which [`Levels::count`] tells twice the number.
@@ -44,9 +44,9 @@ impl Rough {
         tick: Tick,
     ) -> Result<Toolpath, LevelError> {
         let pace = Pace { stepover_mm: self.stepover_mm, feed_step_mm: self.levels.pitch_mm };
-        let plan = |outlines: &[Outline], region: &Region| match self.style {
+        let plan = |_: &[Outline], region: &Region| match self.style {
             RoughStyle::Offset => self.offset(pace, region),
-            RoughStyle::Zigzag => self.zigzag(pace, outlines, region),
+            RoughStyle::Zigzag => self.zigzag(pace, region),
         };
         self.levels.path(surface, profile, true, plan, tick)
     }
@@ -60,7 +60,7 @@ impl Rough {
         ContourParallel { pace, start: Start::Middle, turn }.pattern(region)
     }
 
-    fn zigzag(&self, pace: Pace, outlines: &[Outline], region: &Region) -> Pattern {
+    fn zigzag(&self, pace: Pace, region: &Region) -> Pattern {
         let Pace { stepover_mm, feed_step_mm } = pace;
         let style = RasterStyle::Zigzag;
         let mut pattern = Layout::pattern(
@@ -71,9 +71,10 @@ impl Rough {
             Ok(layer) => layer,
             Err(pattern) => return pattern,
         };
-        for outline in outlines {
-            let around = outline.corners.iter().chain(outline.corners.first());
-            let mut around: Vec<DVec2> = around.map(|corner| corner.at).collect();
+        let outlines = region.polygon();
+        for outline in outlines.iter().flat_map(Polygon::loops) {
+            // What is free lies to the left.
+            let mut around: Vec<DVec2> = outline.iter().chain(outline.first()).copied().collect();
             if self.milling == Milling::Conventional {
                 around.reverse();
             }

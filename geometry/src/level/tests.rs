@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::{
-    Against, Bounds, DVec3, DropCutter, HeightField, Pattern, PatternSpan, Profile, SpanKind,
-    Surface, Tick, Toolpath,
+    Against, Bounds, DVec3, DropCutter, HeightField, Pattern, PatternSpan, Polygon, Profile,
+    SpanKind, Surface, Tick, Toolpath,
 };
 
 const GO: Tick<'static> = &|_| true;
@@ -18,10 +18,11 @@ fn field(height: impl Fn(f64, f64) -> f64) -> HeightField {
     HeightField::new(columns, rows, pitch, heights.collect()).unwrap()
 }
 
-fn levels(field: &HeightField, entry: Entry) -> Levels {
+fn levels(field: &HeightField, entry: Entry) -> Levels<'static> {
     let bounds = field.bounds();
     Levels {
         area: bounds,
+        boundary: None,
         top_mm: bounds.max.z,
         floor_mm: bounds.min.z,
         step_mm: 1.0,
@@ -189,6 +190,30 @@ fn roughing_leaves_the_allowance_and_steps_and_never_bites_deeper_than_a_step() 
         }
         // Passes rise a little over what the grid does not see.
         assert!(worst < 0.02, "{style:?} leaves {worst} mm too much at {worst_at}");
+    }
+}
+
+#[test]
+fn a_boundary_is_kept_to() {
+    let field = field(hills);
+    let (profile, surface) = (Profile::flat(1.5).unwrap(), Surface::Field(&field, Against::Mesh));
+    let [low, high] = [DVec2::new(10.3, 8.2), DVec2::new(27.7, 21.1)];
+    let boundary = Polygon::rectangle(low, high).unwrap();
+    let levels = Levels { boundary: Some(&boundary), ..levels(&field, Entry::Helix(0.1)) };
+    let milling = Milling::Climb;
+    let rough = |style| Rough { levels, stepover_mm: 1.2, style, milling };
+    let paths = [
+        rough(RoughStyle::Zigzag).path(surface, &profile, GO),
+        rough(RoughStyle::Offset).path(surface, &profile, GO),
+        Waterline { levels, milling }.path(surface, &profile, GO),
+    ];
+    for path in paths {
+        let path = path.unwrap();
+        assert!(path.passes() > 5);
+        for tip in &path.tips {
+            let at = tip.truncate();
+            assert!(at.cmpge(low - 1e-6).all() && at.cmple(high + 1e-6).all(), "{at}");
+        }
     }
 }
 

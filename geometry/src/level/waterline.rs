@@ -1,21 +1,21 @@
 //! Waterlines: passes around the surface at constant heights.
 
 use super::{LevelError, Levels, Milling, Outline};
-use crate::pattern::{Layer, along};
-use crate::{Pace, Profile, Region, Surface, Tick, Toolpath};
+use crate::pattern::{Layer, Stroke, along};
+use crate::{Pace, Pattern, Profile, Region, Surface, Tick, Toolpath};
 use glam::DVec2;
 
 /// Finishes steep walls by passes around them, each at one height. What is level lies between two of
 /// them and is left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waterline {
+pub struct Waterline<'a> {
     /// Where, how high and how exact.
-    pub levels: Levels,
+    pub levels: Levels<'a>,
     /// On which side of the cutter the surface is.
     pub milling: Milling,
 }
 
-impl Waterline {
+impl Waterline<'_> {
     /// The passes, from the highest level to the lowest. Where an outline is the border of the area
     /// there is none.
     ///
@@ -32,12 +32,21 @@ impl Waterline {
         let step_mm = self.levels.pitch_mm;
         // Links reach ten stepovers, and are to reach a cutter's width.
         let pace = Pace { stepover_mm: profile.radius_mm() / 5.0, feed_step_mm: step_mm };
+        let within = self.levels.boundary.map(|boundary| {
+            Region::new(&self.levels.area).and_then(|area| area.within(boundary.clone()))
+        });
         let plan = |outlines: &[Outline], region: &Region| {
             let mut layer = match Layer::new(region, pace) {
                 Ok(layer) => layer,
                 Err(pattern) => return pattern,
             };
-            for mut piece in nearest_first(outlines.iter().flat_map(touching).collect()) {
+            let pieces = outlines.iter().flat_map(touching);
+            let pieces = match &within {
+                None => pieces.collect(),
+                Some(None) => Vec::new(),
+                Some(Some(within)) => pieces.flat_map(|piece| cut(piece, within, pace)).collect(),
+            };
+            for mut piece in nearest_first(pieces) {
                 if self.milling == Milling::Conventional {
                     piece.reverse();
                 }
@@ -47,6 +56,16 @@ impl Waterline {
         };
         self.levels.path(surface, profile, false, plan, tick)
     }
+}
+
+/// The parts of a piece in a region.
+fn cut(piece: Vec<DVec2>, within: &Region, pace: Pace) -> Vec<Vec<DVec2>> {
+    let Ok(mut layer) = Layer::new(within, pace) else { return Vec::new() };
+    let closed = piece.first() == piece.last();
+    let points = piece.into_iter();
+    layer.add(if closed { Stroke::Closed(points) } else { Stroke::Open(points) });
+    let Pattern { points, spans } = layer.into_lifted();
+    spans.into_iter().map(|span| points[span.points].to_vec()).collect()
 }
 
 /// Pieces in an order with little travel: each is followed by the one that begins nearest to its end.

@@ -76,7 +76,7 @@ pub(super) fn pitch(grid: f64, radius_mm: f64) -> f64 {
 
 /// Runs the work of a node with levels.
 pub(super) fn made(
-    levels: &Levels,
+    levels: &Levels<'_>,
     cx: &Context<'_>,
     work: impl FnOnce(&(dyn Fn(usize) -> bool + Sync)) -> Result<Toolpath, LevelError>,
 ) -> Result<Toolpath, NodeError> {

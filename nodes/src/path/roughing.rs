@@ -11,7 +11,7 @@
 use super::level::{Side, WayDown, made, only, pitch, widened};
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{
-    Bounds, Cutter, HeightField, Levels, Mesh, PointCloud, Rough, RoughStyle, Toolpath,
+    Bounds, Cutter, HeightField, Levels, Mesh, PointCloud, Polygon, Rough, RoughStyle, Toolpath,
 };
 
 /// Takes the stock away down to an allowance, level by level.
@@ -75,6 +75,8 @@ pub(crate) struct Stock<'a> {
     /// The box of the part, in which the cutter's axis stays; that of the surface if nothing is
     /// connected.
     part: Option<&'a Bounds>,
+    /// What of it is to be cut; all of it if nothing is connected.
+    boundary: Option<&'a Polygon>,
 }
 
 #[derive(Outputs)]
@@ -89,7 +91,7 @@ impl Node for Roughing {
     type Outputs = Roughed;
 
     fn run(&self, inputs: Stock<'_>, cx: &Context<'_>) -> Result<Roughed, NodeError> {
-        let Stock { field, mesh, points, cutter, part } = inputs;
+        let Stock { field, mesh, points, cutter, part, boundary } = inputs;
         let (surface, bounds) = only(field, mesh, points)?;
         let part = part.unwrap_or(&bounds);
         let radius = cutter.profile.radius_mm();
@@ -103,6 +105,7 @@ impl Node for Roughing {
         }
         let levels = Levels {
             area: widened(part, self.around),
+            boundary,
             top_mm: part.max.z + self.stock_above,
             floor_mm: part.min.z,
             step_mm: self.depth_per_pass,
@@ -152,7 +155,7 @@ mod tests {
     fn roughed(node: &Roughing, field: &HeightField) -> Result<Toolpath, NodeError> {
         let cutter = Cutter { name: "flat".into(), profile: Profile::flat(1.5).unwrap() };
         let (field, cutter) = (Some(field), &cutter);
-        let stock = Stock { field, mesh: None, points: None, cutter, part: None };
+        let stock = Stock { field, mesh: None, points: None, cutter, part: None, boundary: None };
         run(|cx| node.run(stock, cx)).map(|roughed| roughed.toolpath)
     }
 
@@ -183,7 +186,14 @@ mod tests {
         let fault = roughed(&wide, &flat).unwrap_err().to_string();
         assert!(fault.contains("more than the cutter's diameter, 3 mm"), "{fault}");
         let cutter = Cutter { name: "flat".into(), profile: Profile::flat(1.5).unwrap() };
-        let nothing = Stock { field: None, mesh: None, points: None, cutter: &cutter, part: None };
+        let nothing = Stock {
+            field: None,
+            mesh: None,
+            points: None,
+            cutter: &cutter,
+            part: None,
+            boundary: None,
+        };
         let fault = run(|cx| NODE.run(nothing, cx).map(|_| ())).unwrap_err().to_string();
         assert!(fault.contains("connect one of field, mesh and points"), "{fault}");
     }

@@ -7,7 +7,7 @@
 use super::level::{Side, WayDown, made, only, pitch, widened};
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{
-    Bounds, Cutter, HeightField, Levels, Mesh, PointCloud, Toolpath, Waterline,
+    Bounds, Cutter, HeightField, Levels, Mesh, PointCloud, Polygon, Toolpath, Waterline,
 };
 
 /// Goes around the surface at constant heights.
@@ -54,6 +54,8 @@ pub(crate) struct Walls<'a> {
     /// The box of the part, in which the cutter's axis stays; that of the surface if nothing is
     /// connected.
     part: Option<&'a Bounds>,
+    /// What of it is to be cut; all of it if nothing is connected.
+    boundary: Option<&'a Polygon>,
 }
 
 #[derive(Outputs)]
@@ -68,11 +70,12 @@ impl Node for WaterlineNode {
     type Outputs = Lines;
 
     fn run(&self, inputs: Walls<'_>, cx: &Context<'_>) -> Result<Lines, NodeError> {
-        let Walls { field, mesh, points, cutter, part } = inputs;
+        let Walls { field, mesh, points, cutter, part, boundary } = inputs;
         let (surface, bounds) = only(field, mesh, points)?;
         let part = part.unwrap_or(&bounds);
         let levels = Levels {
             area: widened(part, self.around),
+            boundary,
             top_mm: part.max.z,
             floor_mm: part.min.z,
             step_mm: self.depth_per_pass,
@@ -114,7 +117,7 @@ mod tests {
         };
         let cutter = Cutter { name: "ball".into(), profile: Profile::ball(2.0).unwrap() };
         let (mesh, cutter) = (Some(&mesh), &cutter);
-        let walls = Walls { field: None, mesh, points: None, cutter, part: None };
+        let walls = Walls { field: None, mesh, points: None, cutter, part: None, boundary: None };
         let path = run(|cx| node.run(walls, cx)).unwrap().toolpath;
         assert_eq!(path.passes(), 4);
         for span in path.spans.iter().filter(|span| span.kind == SpanKind::Pass) {
