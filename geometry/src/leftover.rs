@@ -26,15 +26,14 @@
 //! all slopes.
 //!
 //! # The area
-//! Contour lines of left − surface at a threshold ([`contour_lines()`]) or, where a margin is wanted, of
+//! Contour lines of left − surface at a threshold ([`trace_level`]) or, where a margin is wanted, of
 //! the distance to the nodes that reach the threshold. The distance is exact on the grid (Meijster,
 //! Roerdink and Hesselink 2000). Lines are simplified, and set out by as much as that, a cell's side for
 //! what lies between nodes included, may take away: the area is never smaller than asked for.
 
-use crate::simplify::simplify_ring;
 use crate::{
-    Against, HeightField, Pattern, PatternSpan, Polygon, PolygonError, Profile, Tick,
-    contour_lines, drop_on_height_field,
+    Against, DropCutter, HeightField, Pattern, PatternSpan, Polygon, PolygonError, Profile,
+    Surface, Tick, TraceError, simplify_loop, trace_level,
 };
 use glam::DVec2;
 use rayon::prelude::*;
@@ -43,8 +42,7 @@ use rayon::prelude::*;
 /// tenth leaves some ten corners on the circle around a point.
 const SIMPLER: f64 = 0.1;
 
-/// Nodes that the cutter is dropped at in one go. A place of a path takes 72 bytes, of which 4 are
-/// kept; the index that is built for each go costs little beside a million drops.
+/// Nodes that the cutter is dropped at in one go: a place of a path takes 72 bytes, of which 4 are kept.
 const NODES_AT_ONCE: usize = 1 << 20;
 
 /// Where something is left, and how much.
@@ -74,6 +72,9 @@ pub enum RestError {
     /// The lines have more corners than an outline may have.
     #[error("the outline of what is left is too ragged: {0}")]
     Ragged(PolygonError),
+    /// The lines are too many to be followed.
+    #[error("the outline of what is left is too ragged: {0}")]
+    TooLong(TraceError),
     /// The two fields are not over one grid.
     #[error("what is left and the surface have different grids")]
     OtherGrid,
@@ -107,6 +108,7 @@ fn tips_over_nodes(
 ) -> Option<Vec<f32>> {
     let (columns, rows, pitch_mm) = (field.columns(), field.rows(), field.pitch_mm());
     let at_once = (NODES_AT_ONCE / columns).max(1);
+    let cutter = DropCutter::new(Surface::Field(field, against), profile, 0.0, tick).ok()?;
     let mut heights = Vec::with_capacity(columns * rows);
     for start in (0..rows).step_by(at_once) {
         let row = |j: usize| {
@@ -116,7 +118,7 @@ fn tips_over_nodes(
         let spans = vec![PatternSpan { points: 0..points.len(), link: false, joined: false }];
         let pattern = Pattern { points, spans };
         // Under a node lies the node itself, so that something is touched everywhere.
-        let path = drop_on_height_field(field, against, profile, &pattern, 0.0, tick)?;
+        let path = cutter.path(&pattern, 0.0, tick)?;
         heights.extend(path.tips.iter().map(|tip| tip.z as f32));
     }
     Some(heights)
@@ -149,16 +151,17 @@ pub fn rest_area(
         let tolerance = SIMPLER * (1.0 + margin_mm / pitch_mm);
         let mut nearness = distances(columns, rows, |i, j| excesses[j * columns + i] >= threshold);
         nearness.par_iter_mut().for_each(|distance| *distance = -*distance);
-        (nearness, -(margin_mm / pitch_mm + 1.0 + tolerance), tolerance)
+        (nearness, -(margin_mm / pitch_mm + 1.0 + tolerance) as f32, tolerance)
     } else {
-        (excesses, f64::from(threshold), 0.0)
+        // Inside is what lies above, and what just reaches the threshold is to be.
+        (excesses, threshold.next_down(), 0.0)
     };
-    let value = |i: usize, j: usize| f64::from(values[j * columns + i]);
-    let lines = contour_lines(columns, rows, value, level);
-    let simpler = |line: &Vec<DVec2>| {
-        simplify_ring(line, tolerance).into_iter().map(|corner| corner * pitch_mm).collect()
+    let lines = trace_level(columns, &values, level, &|_| true).map_err(RestError::TooLong)?;
+    let simpler = |line: &Vec<DVec2>| -> Vec<DVec2> {
+        simplify_loop(line, tolerance).into_iter().map(|corner| corner * pitch_mm).collect()
     };
-    let loops: Vec<Vec<DVec2>> = lines.par_iter().map(simpler).collect();
+    let loops = lines.par_iter().map(simpler).filter(|line| line.len() > 2);
+    let loops: Vec<Vec<DVec2>> = loops.collect();
     // Nodes that just reach the threshold and stand alone have no extent.
     if loops.is_empty() {
         return Err(RestError::Nothing { threshold_mm, most_mm });

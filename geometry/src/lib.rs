@@ -7,7 +7,6 @@
 //! stop, returning `None`, as soon as it answers `false`.
 
 mod bounds;
-mod contour_lines;
 mod crop;
 mod defects;
 mod drop_cutter;
@@ -27,13 +26,11 @@ mod polygon;
 mod profile;
 mod raster;
 mod reduce;
-mod simplify;
 mod stitch;
 mod toolpath;
 mod trace;
 
 pub use bounds::Bounds;
-pub use contour_lines::contour_lines;
 pub use crop::Crop;
 pub use defects::{Defects, find_defects};
 pub use drop_cutter::{

@@ -1,6 +1,7 @@
 //! The outlines of what is brighter than a level in a picture (marching squares).
 //!
-//! Between the middles of neighbouring pixels brightness is taken to change evenly, so outlines run at
+//! [`trace`] tells between which nodes outlines pass, [`trace_level`] where, in a picture:
+//! between the middles of neighbouring pixels brightness is taken to change evenly, so outlines run at
 //! fractions of a pixel. Each square of four pixels holds up to two pieces of outline; where two bright
 //! pixels face two dark ones across it, the mean of the four says which pair is joined (Nielson and
 //! Hamann, "The asymptotic decider", Visualization 1991, with the mean in place of the saddle's value).
@@ -45,15 +46,64 @@ pub fn trace_level(
     level: f32,
     tick: Tick<'_>,
 ) -> Result<Vec<Vec<DVec2>>, TraceError> {
-    let picture = Picture { columns, rows: values.len() / columns.max(1), values, level };
-    if picture.columns == 0 || picture.rows == 0 {
+    let value = |[x, y]: [usize; 2]| values[y * columns + x];
+    let size = [columns, values.len() / columns.max(1)];
+    // Beyond the border there is as much as at the level.
+    let apart = |corners: [Option<[usize; 2]>; 4]| {
+        corners.map(|corner| corner.map_or(level, value)).iter().sum::<f32>() / 4.0 <= level
+    };
+    let traced = trace(size, |pixel| value(pixel) > level, apart, tick)?;
+    let place = |[x, y]: [usize; 2]| DVec2::new(x as f64, y as f64);
+    let corner = |crossing: &Crossing| {
+        let Crossing { inside, outside: Some(outside) } = *crossing else {
+            return place(crossing.inside);
+        };
+        // The same arithmetic from both sides.
+        let (a, b) = (inside.min(outside), inside.max(outside));
+        let [p, q, level] = [value(a), value(b), level].map(f64::from);
+        place(a).lerp(place(b), ((level - p) / (q - p)).clamp(0.0, 1.0))
+    };
+    let loops = traced.iter().map(|crossings| {
+        let mut corners: Vec<DVec2> = crossings.iter().map(corner).collect();
+        corners.dedup();
+        if corners.last() == corners.first() {
+            corners.pop();
+        }
+        corners
+    });
+    Ok(loops.filter(|corners| corners.len() > 2).collect())
+}
+
+/// Where an outline passes between two nodes of a grid that are neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Crossing {
+    /// The node inside of it.
+    pub(crate) inside: [usize; 2],
+    /// The node outside; `None` where it would lie beyond the border.
+    pub(crate) outside: Option<[usize; 2]>,
+}
+
+/// The outlines of the nodes of a grid of some columns and rows that are inside, each once around. With
+/// rows downward what is inside lies to the left, with rows upward to the right. `apart` says of the
+/// corners of a square, of which two opposite ones are inside, whether these are not joined.
+///
+/// # Errors
+/// As [`trace_level`].
+pub(crate) fn trace(
+    [columns, rows]: [usize; 2],
+    is_inside: impl Fn([usize; 2]) -> bool + Sync,
+    apart: impl Fn([Option<[usize; 2]>; 4]) -> bool + Sync,
+    tick: Tick<'_>,
+) -> Result<Vec<Vec<Crossing>>, TraceError> {
+    if columns == 0 || rows == 0 {
         return Ok(Vec::new());
     }
+    let frame = Frame { columns, rows };
     let count = AtomicUsize::new(0);
-    let rows: Result<Vec<Vec<[u32; 2]>>, TraceError> = (0..=picture.rows)
+    let pieces: Result<Vec<Vec<[u32; 2]>>, TraceError> = (0..=rows)
         .into_par_iter()
         .map(|row| {
-            let pieces = picture.pieces(row);
+            let pieces = frame.pieces(row, &is_inside, &apart);
             let before = count.fetch_add(pieces.len(), Ordering::Relaxed);
             if before + pieces.len() > MAX_PIECES {
                 return Err(TraceError::TooLong);
@@ -61,51 +111,50 @@ pub fn trace_level(
             if tick(1) { Ok(pieces) } else { Err(TraceError::Stopped) }
         })
         .collect();
-    let mut pieces = rows?.concat();
+    let mut pieces = pieces?.concat();
     pieces.par_sort_unstable();
-    Ok(picture.followed(&pieces))
+    Ok(frame.followed(&pieces, &is_inside))
 }
 
-/// A picture within a frame of dark pixels, which is where its outermost pixels are.
-struct Picture<'a> {
+/// A grid within a frame of nodes that are outside.
+struct Frame {
     columns: usize,
     rows: usize,
-    values: &'a [f32],
-    level: f32,
 }
 
-/// The sides of a square in the order of a walk around it: from its first corner (left, top) to the
-/// right, down, to the left, up. Each as the place of its left or upper end, and whether it is upright.
+/// The corners of a square in the order of a walk around it.
+const CORNERS: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
+/// Its sides in that order, each as the place of its end of lower numbers, and whether it leads from row
+/// to row.
 const SIDES: [([usize; 2], bool); 4] =
     [([0, 0], false), ([1, 0], true), ([0, 1], false), ([0, 0], true)];
 
-impl Picture<'_> {
-    /// The value at a column and row of the framed picture; `None` in the frame.
-    fn value(&self, column: usize, row: usize) -> Option<f32> {
-        let (x, y) = (column.wrapping_sub(1), row.wrapping_sub(1));
-        (x < self.columns && y < self.rows).then(|| self.values[y * self.columns + x])
-    }
-
-    fn is_bright(&self, column: usize, row: usize) -> bool {
-        self.value(column, row).is_some_and(|value| value > self.level)
+impl Frame {
+    /// The node at a column and row of the framed grid; `None` in the frame.
+    fn node(&self, column: usize, row: usize) -> Option<[usize; 2]> {
+        let node = [column.wrapping_sub(1), row.wrapping_sub(1)];
+        (node[0] < self.columns && node[1] < self.rows).then_some(node)
     }
 
     /// The pieces of outline in a row of squares.
-    fn pieces(&self, row: usize) -> Vec<[u32; 2]> {
+    fn pieces(
+        &self,
+        row: usize,
+        is_inside: impl Fn([usize; 2]) -> bool,
+        apart: impl Fn([Option<[usize; 2]>; 4]) -> bool,
+    ) -> Vec<[u32; 2]> {
         let mut pieces = Vec::new();
         for column in 0..=self.columns {
-            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| (column + x, row + y));
-            let bright = corners.map(|(x, y)| self.is_bright(x, y));
-            if bright == [true; 4] || bright == [false; 4] {
+            let corners = CORNERS.map(|[x, y]| self.node(column + x, row + y));
+            let inside = corners.map(|corner| corner.is_some_and(&is_inside));
+            if inside == [true; 4] || inside == [false; 4] {
                 continue;
             }
-            let comes = |side: usize| !bright[side] && bright[(side + 1) % 4];
-            let leaves = |side: usize| bright[side] && !bright[(side + 1) % 4];
-            let mean =
-                corners.map(|(x, y)| self.value(x, y).unwrap_or(self.level)).iter().sum::<f32>()
-                    / 4.0;
-            // Around each bright corner by itself, or around each dark one.
-            let apart = mean <= self.level;
+            let comes = |side: usize| !inside[side] && inside[(side + 1) % 4];
+            let leaves = |side: usize| inside[side] && !inside[(side + 1) % 4];
+            // Around each corner inside by itself, or around each one outside.
+            let apart = apart(corners);
             for from in (0..4).filter(|side| comes(*side)) {
                 let turn = |k: usize| if apart { (from + k) % 4 } else { (from + 4 - k) % 4 };
                 if let Some(to) = (1..4).map(turn).find(|side| leaves(*side)) {
@@ -120,48 +169,40 @@ impl Picture<'_> {
     fn side(&self, column: usize, row: usize, side: usize) -> u32 {
         let ([x, y], upright) = SIDES[side];
         let place = (row + y) * (self.columns + 2) + column + x;
-        // Pictures have less than 2³¹ pixels.
+        // Grids have less than 2³¹ nodes.
         (2 * place + usize::from(upright)) as u32
     }
 
-    /// Where the outline crosses a side.
-    fn crossing(&self, side: u32) -> DVec2 {
+    /// What an outline passes between on a side.
+    fn crossing(&self, side: u32, is_inside: impl Fn([usize; 2]) -> bool) -> Option<Crossing> {
         let (place, upright) = (side as usize / 2, side % 2 == 1);
         let (column, row) = (place % (self.columns + 2), place / (self.columns + 2));
-        let other = if upright { (column, row + 1) } else { (column + 1, row) };
-        let middle = |(column, row): (usize, usize)| DVec2::new(column as f64, row as f64) - 1.0;
-        let (a, b) = (middle((column, row)), middle(other));
-        match (self.value(column, row), self.value(other.0, other.1)) {
-            (Some(p), Some(q)) => {
-                let [p, q, level] = [p, q, self.level].map(f64::from);
-                a.lerp(b, ((level - p) / (q - p)).clamp(0.0, 1.0))
-            }
-            (Some(_), None) => a,
-            (None, _) => b,
-        }
+        let one = self.node(column, row);
+        let other = if upright { self.node(column, row + 1) } else { self.node(column + 1, row) };
+        let (inside, outside) =
+            if one.is_some_and(is_inside) { (one, other) } else { (other, one) };
+        inside.map(|inside| Crossing { inside, outside })
     }
 
     /// Loops of pieces that are sorted by their beginnings.
-    fn followed(&self, pieces: &[[u32; 2]]) -> Vec<Vec<DVec2>> {
+    fn followed(
+        &self,
+        pieces: &[[u32; 2]],
+        is_inside: impl Fn([usize; 2]) -> bool,
+    ) -> Vec<Vec<Crossing>> {
         let mut is_open = vec![true; pieces.len()];
         let mut loops = Vec::new();
         for first in 0..pieces.len() {
-            let (mut corners, mut at) = (Vec::new(), first);
+            let (mut crossings, mut at) = (Vec::new(), first);
             while is_open[at] {
                 is_open[at] = false;
-                let corner = self.crossing(pieces[at][0]);
-                if corners.last() != Some(&corner) {
-                    corners.push(corner);
-                }
+                crossings.extend(self.crossing(pieces[at][0], &is_inside));
                 // Every side that is left through is come through on its other side.
                 let end = pieces[at][1];
                 at = pieces.binary_search_by_key(&end, |piece| piece[0]).unwrap_or(first);
             }
-            if corners.last() == corners.first() {
-                corners.pop();
-            }
-            if corners.len() > 2 {
-                loops.push(corners);
+            if !crossings.is_empty() {
+                loops.push(crossings);
             }
         }
         loops

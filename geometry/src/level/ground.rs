@@ -1,6 +1,7 @@
 //! Tips on a grid.
 
-use super::{LEVEL_SLACK_MM, Outline, refine, trace};
+use super::{LEVEL_SLACK_MM, Outline, refine};
+use crate::trace::{Crossing, trace};
 use crate::{Bounds, Contact, DropCutter, Pattern, PatternSpan, Tick};
 use glam::DVec2;
 
@@ -42,11 +43,6 @@ impl<'a> Ground<'a> {
         let places = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
         ground.tips = ground.drop(places.map(|node| ground.place(node)).collect(), tick)?.0;
         Some(ground)
-    }
-
-    /// Nodes along x and y.
-    pub(super) fn nodes(&self) -> [usize; 2] {
-        self.nodes
     }
 
     /// The distance between nodes, the greater of both ways, in mm.
@@ -93,7 +89,14 @@ impl<'a> Ground<'a> {
     /// The outlines of what is free at the height z, true to `tolerance_mm` in plan. `None` if `tick`
     /// stopped it.
     pub(super) fn outlines(&self, z: f64, tolerance_mm: f64, tick: Tick) -> Option<Vec<Outline>> {
-        let traced = trace::trace(self, z);
+        // Where squares leave a choice, free places are kept apart.
+        let traced =
+            trace(self.nodes, |node| self.is_free(node, z), |_| true, &|_| tick(0)).ok()?;
+        let to_the_left = |mut crossings: Vec<Crossing>| {
+            crossings.reverse();
+            crossings
+        };
+        let traced: Vec<Vec<Crossing>> = traced.into_iter().map(to_the_left).collect();
         refine::refine(self, &traced, z, tolerance_mm, tick)
     }
 }

@@ -5,9 +5,8 @@
 //! It is found for whatever the drop cutter can be dropped on, and with any cutter, in three steps:
 //!
 //! 1. Tips on a grid ([`Ground`]): once, for all heights.
-//! 2. Marching squares (Lorensen and Cline 1987, in the plane) tell between which nodes of the grid
-//!    the outline passes, and in what order ([`trace`]). Where they leave a choice, free places are
-//!    kept apart.
+//! 2. Marching squares tell between which nodes of the grid the outline passes, and in what order
+//!    ([`trace`](crate::trace)).
 //! 3. Between a free node and one that is not, the crossing is found by halving, with the exact drop
 //!    cutter; and so is where the outline bulges between two crossings ([`refine`]).
 //!
@@ -28,7 +27,6 @@ mod refine;
 mod rough;
 #[cfg(test)]
 mod tests;
-mod trace;
 mod waterline;
 
 pub use passes::{Entry, LevelError, Levels};

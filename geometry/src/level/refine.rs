@@ -7,9 +7,9 @@
 //! becomes a corner.
 
 use super::ground::Ground;
-use super::trace::Crossing;
 use super::{Corner, Outline};
 use crate::Tick;
+use crate::trace::Crossing;
 use glam::DVec2;
 
 /// Chords are divided at most this often: into a 256th of the grid's pitch.
@@ -125,12 +125,12 @@ impl Search<'_> {
 
     fn corners(&self, crossings: &[Crossing]) -> Option<Vec<Corner>> {
         let ways = crossings.iter().map(|crossing| {
-            let free = self.ground.place(crossing.free);
-            [free, crossing.blocked.map_or(free, |node| self.ground.place(node))]
+            let free = self.ground.place(crossing.inside);
+            [free, crossing.outside.map_or(free, |node| self.ground.place(node))]
         });
         let at = self.halve(ways.collect())?;
         let corner = |(crossing, at): (&Crossing, DVec2)| {
-            let border = crossing.blocked.is_none();
+            let border = crossing.outside.is_none();
             Corner { at, border }
         };
         Some(crossings.iter().zip(at).map(corner).collect())
