@@ -10,6 +10,7 @@ pub const LIBRARY: Library = Library {
         ("points_finish", include_str!("../../graphs/points_finish.ron")),
         ("relief", include_str!("../../graphs/relief.ron")),
         ("rest_finish", include_str!("../../graphs/rest_finish.ron")),
+        ("two_tool_mesh", include_str!("../../graphs/two_tool_mesh.ron")),
         ("two_tool_relief", include_str!("../../graphs/two_tool_relief.ron")),
         ("waterline", include_str!("../../graphs/waterline.ron")),
     ],

@@ -9,7 +9,7 @@
 
 use super::dropping::dropped;
 use crate::values::Remark;
-use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{self as geometry, Against, Cutter, HeightField, Pattern, Toolpath};
 
 /// The largest pitch at which points are dense, as a share of the cutter's radius.
@@ -21,9 +21,10 @@ pub(crate) struct DropCutter {
     /// What the cutter is dropped on.
     #[param(default = Surface::Auto)]
     pub(crate) against: Surface,
-    /// Height of the tip where nothing lies under the cutter.
-    #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
-    pub(crate) floor: f64,
+    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
+    /// the lowest place of the surface.
+    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
+    pub(crate) floor: Yielding<f64>,
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
@@ -68,7 +69,7 @@ impl Node for DropCutter {
         let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.radius_mm());
         cx.note(&text);
         let surface = geometry::Surface::Field(surface, against);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
         Ok(Dropped { toolpath, choice: Remark { text } })
     }
 }
@@ -106,7 +107,8 @@ mod tests {
 
     #[test]
     fn auto_follows_the_fifth_of_the_radius() {
-        let auto = DropCutter { against: Surface::Auto, floor: 0.0, allowance: 0.0 };
+        let auto =
+            DropCutter { against: Surface::Auto, floor: Yielding::left(0.0), allowance: 0.0 };
         assert_eq!(auto.choose(0.6, 3.0).0, Against::Points);
         assert_eq!(auto.choose(0.6000001, 3.0).0, Against::Mesh);
         assert!(
@@ -116,9 +118,11 @@ mod tests {
 
     #[test]
     fn a_set_surface_is_taken_as_it_is() {
-        let points = DropCutter { against: Surface::Points, floor: 0.0, allowance: 0.0 };
+        let points =
+            DropCutter { against: Surface::Points, floor: Yielding::left(0.0), allowance: 0.0 };
         assert_eq!(points.choose(5.0, 3.0).0, Against::Points);
-        let mesh = DropCutter { against: Surface::Mesh, floor: 0.0, allowance: 0.0 };
+        let mesh =
+            DropCutter { against: Surface::Mesh, floor: Yielding::left(0.0), allowance: 0.0 };
         assert_eq!(mesh.choose(0.01, 3.0).0, Against::Mesh);
     }
 }

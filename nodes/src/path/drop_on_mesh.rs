@@ -7,15 +7,16 @@
 //! `drop_cutter` does the same without triangles.
 
 use super::dropping::dropped;
-use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Cutter, Mesh, Pattern, Surface, Toolpath};
 
 /// Lowers the cutter onto a mesh at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct DropOnMesh {
-    /// Height of the tip where nothing lies under the cutter.
-    #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
-    pub(crate) floor: f64,
+    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
+    /// the lowest place of the surface.
+    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
+    pub(crate) floor: Yielding<f64>,
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
@@ -45,7 +46,7 @@ impl Node for DropOnMesh {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { mesh, cutter, pattern } = inputs;
         let surface = Surface::Mesh(mesh);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -64,7 +65,7 @@ mod tests {
         let points = vec![DVec2::splat(3.0), DVec2::splat(30.0)];
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points, spans };
-        let node = DropOnMesh { floor: -5.0, allowance: 0.0 };
+        let node = DropOnMesh { floor: Yielding::given(-5.0), allowance: 0.0 };
         run(|cx| node.run(Dropping { mesh: &mesh, cutter: &cutter, pattern: &pattern }, cx))
     }
 

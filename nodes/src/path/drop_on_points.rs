@@ -6,15 +6,16 @@
 //! cutter, see [`carvegraph_geometry::DropCutter`].
 
 use super::dropping::dropped;
-use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Cutter, Pattern, PointCloud, Surface, Toolpath};
 
 /// Lowers the cutter onto points at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct DropOnPoints {
-    /// Height of the tip where nothing lies under the cutter.
-    #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
-    pub(crate) floor: f64,
+    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
+    /// the lowest place of the surface.
+    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
+    pub(crate) floor: Yielding<f64>,
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
@@ -44,7 +45,7 @@ impl Node for DropOnPoints {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { points, cutter, pattern } = inputs;
         let surface = Surface::Points(points);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, self.floor), cx)?;
+        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -65,9 +66,10 @@ mod tests {
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points: vec![DVec2::ZERO, DVec2::splat(9.0)], spans };
         let inputs = Dropping { points: &points, cutter: &cutter, pattern: &pattern };
-        let path = run(|cx| DropOnPoints { floor: -1.0, allowance: 0.0 }.run(inputs, cx))
-            .unwrap()
-            .toolpath;
+        let path =
+            run(|cx| DropOnPoints { floor: Yielding::given(-1.0), allowance: 0.0 }.run(inputs, cx))
+                .unwrap()
+                .toolpath;
         assert_eq!((path.tips[0].z, path.tips[1].z), (3.0, -1.0));
         let touched = Contact { point: points.points[1], kind: ContactKind::Vertex };
         assert_eq!(path.contacts, [touched, Contact::NONE]);

@@ -1,24 +1,36 @@
 //! What the nodes that drop a cutter share.
 
-use carvegraph_core::{Context, NodeError};
-use carvegraph_geometry::{ContactKind, Cutter, DropCutter, DropError, Pattern, Surface, Toolpath};
+use carvegraph_core::{Context, NodeError, Yielding};
+use carvegraph_geometry::{
+    Contact, ContactKind, Cutter, DropCutter, DropError, Pattern, Surface, Toolpath,
+};
 
-/// Lowers the cutter at every point of a pattern, but leaves an allowance; tells at how many points it
-/// fell to the floor.
+/// Lowers the cutter at every point of a pattern, but leaves an allowance and stays above the floor; if
+/// this is not set it is the lowest place of the surface. Tells at how many points nothing is under the
+/// cutter.
+///
+/// Beside the rim of a part the cutter touches it sideways, with its tip up to its radius below: without
+/// the floor it would cut into what the part lies on.
 pub(super) fn dropped(
     surface: Surface<'_>,
     cutter: &Cutter,
     pattern: &Pattern,
-    (allowance_mm, floor_mm): (f64, f64),
+    (allowance_mm, floor): (f64, &Yielding<f64>),
     cx: &Context<'_>,
 ) -> Result<Toolpath, NodeError> {
     let ticker = cx.ticker(pattern.points.len());
     let tick = |count| ticker.tick(count);
     let ready = DropCutter::new(surface, &cutter.profile, allowance_mm, &tick).map_err(fault)?;
-    let path = cx.completed(ready.path(pattern, floor_mm, &tick))?;
+    let floor_mm = floor.or(surface.bounds().map(|bounds| bounds.min.z));
+    let mut path = cx.completed(ready.path(pattern, floor_mm, &tick))?;
     let missed = path.contacts.iter().filter(|c| c.kind == ContactKind::None).count();
     if missed > 0 {
         cx.warn(format!("at {missed} points nothing is under the cutter: floor, {floor_mm} mm"));
+    }
+    for (tip, contact) in path.tips.iter_mut().zip(&mut path.contacts) {
+        if tip.z < floor_mm {
+            (tip.z, *contact) = (floor_mm, Contact::NONE);
+        }
     }
     Ok(path)
 }
@@ -44,12 +56,31 @@ mod tests {
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points: vec![DVec2::splat(2.0), DVec2::splat(9.0)], spans };
         let surface = Surface::Field(&field, Against::Mesh);
-        let path = run(|cx| dropped(surface, &cutter, &pattern, (0.25, -1.0), cx)).unwrap();
+        let floor = Yielding::given(-1.0);
+        let path = run(|cx| dropped(surface, &cutter, &pattern, (0.25, &floor), cx)).unwrap();
         assert_eq!((path.tips[0].z, path.tips[1].z), (2.25, -1.0));
-        let bad = run(|cx| dropped(surface, &cutter, &pattern, (-1.0, 0.0), cx)).unwrap_err();
+        let bad = run(|cx| dropped(surface, &cutter, &pattern, (-1.0, &floor), cx)).unwrap_err();
         assert!(
             bad.to_string().contains("allowance must be a positive length, not -1 mm"),
             "{bad}"
         );
+    }
+
+    #[test]
+    fn beside_a_rim_the_tip_does_not_sink_below_the_part() {
+        let field = HeightField::new(2, 2, 1.0, vec![2.0; 4]).unwrap();
+        let cutter = Cutter { name: "ball".into(), profile: Profile::ball(3.0).unwrap() };
+        let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
+        let pattern = Pattern { points: vec![DVec2::new(0.5, 0.5), DVec2::new(3.9, 0.5)], spans };
+        let surface = Surface::Field(&field, Against::Mesh);
+        let tips = |floor| {
+            let path = run(|cx| dropped(surface, &cutter, &pattern, (0.0, &floor), cx)).unwrap();
+            [path.tips[0].z, path.tips[1].z]
+        };
+        assert_eq!(tips(Yielding::left(0.0)), [2.0, 2.0]);
+        assert_eq!(tips(Yielding::given(1.0)), [2.0, 1.0]);
+        let [_, free] = tips(Yielding::given(-9.0));
+        // 2.9 mm beside the rim.
+        assert!((free - (2.0 - 3.0 + (9.0_f64 - 2.9 * 2.9).sqrt())).abs() < 1e-9, "{free}");
     }
 }

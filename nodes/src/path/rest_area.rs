@@ -71,7 +71,7 @@ fn refusal(fault: RestError, cutter: &Cutter) -> NodeError {
              most: no rest pass is needed (lower threshold, or carve with this cutter alone)",
             cutter.name
         ),
-        RestError::Ragged(_) => {
+        RestError::Ragged(_) | RestError::TooLong(_) => {
             format!("{fault} (raise threshold or margin, or smooth the surface)")
         }
         RestError::OtherGrid => return NodeError::failed(fault),
