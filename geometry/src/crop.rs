@@ -84,10 +84,14 @@ impl Crop {
         PointCloud { points: Arc::new(kept), grid: None }
     }
 
-    /// The mesh inside. Vertices that no triangle uses any more are left out; those left keep their
-    /// order, new ones come after them.
+    /// The mesh inside. Vertices that no triangle uses are left out; those left keep their order, new
+    /// ones come after them. Where nothing bounds it, it is the mesh as it is.
     #[must_use]
     pub fn mesh(&self, mesh: &Mesh) -> Mesh {
+        let Bounds { min, max } = self.bounds;
+        if self.outline.is_none() && min == DVec3::NEG_INFINITY && max == DVec3::INFINITY {
+            return mesh.clone();
+        }
         let surrounded = |triangle: &&[u32; 3]| {
             self.meets(triangle.map(|v| mesh.vertices[v as usize].truncate()))
         };

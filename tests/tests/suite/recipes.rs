@@ -155,3 +155,42 @@ fn the_last_setting_of_a_name_counts() {
     let report = bench.run(&call.collect::<Vec<_>>());
     assert_eq!(report.number("tool", "cutter", "diameter_mm"), 8.0);
 }
+
+/// Each pattern is a program and a picture; those that are bounded stay where they are told.
+#[test]
+fn the_patterns_keep_to_what_bounds_them() {
+    let bench = Bench::new();
+    let settings = ["stepover=2", "feed_step=1", "picture_size=64"];
+    let set = settings.iter().flat_map(|setting| ["--set", setting]);
+    let report = bench.run(&["patterns"].into_iter().chain(set).collect::<Vec<_>>());
+    let patterns = [
+        "bounded", "circles", "climb", "contour", "cross", "hilbert", "masked", "radial", "rings",
+        "spiral",
+    ];
+    let files: Vec<String> = bench.files("out").into_keys().collect();
+    for pattern in patterns {
+        assert!(files.contains(&format!("medallion-{pattern}.nc")), "{files:?}");
+        assert!(files.contains(&format!("medallion-{pattern}.png")), "{files:?}");
+        assert!(report.count(pattern, "pattern", "passes") > 0, "{pattern}");
+    }
+    assert_eq!(files.len(), 2 * patterns.len());
+    // Feeds only: rapids and plunges come from beside.
+    let fed = |pattern: &str| -> Vec<[f64; 2]> {
+        let program = gcode::read(&bench.text(&format!("out/medallion-{pattern}.nc")));
+        let fed = program.moves.iter().filter(|m| m.motion == gcode::Motion::Feed);
+        fed.map(|m| [m.point()[0], m.point()[1]]).collect()
+    };
+    // The sun of the mask reaches 54 mm from the middle of a plaque of 203, which is here 60 wide.
+    let middle = 59.9 / 2.0;
+    let reach =
+        fed("masked").iter().map(|[x, y]| (x - middle).hypot(y - middle)).fold(0.0, f64::max);
+    assert!((15.0..54.0 * 60.0 / 203.0 + 0.2).contains(&reach), "{reach}");
+    // The rings stay 1.5 mm inside of a square on its corner, and of the one in it.
+    for [x, y] in fed("rings") {
+        let turned = [x + y - 60.0, x - y].map(|along| (along / 2.0_f64.sqrt()).abs());
+        let beyond = |half: f64| turned.map(|along| along - half / 2.0_f64.sqrt());
+        assert!(beyond(28.0).iter().all(|off| *off < -1.48), "{x} {y}");
+        let [u, v] = beyond(10.0).map(|off| off.max(0.0));
+        assert!(u.hypot(v) > 1.48, "{x} {y}");
+    }
+}
