@@ -4,7 +4,7 @@
 //! plane is *free*. Its outline is the line along which the cutter touches the surface at that height.
 //! It is found for whatever the drop cutter can be dropped on, and with any cutter, in three steps:
 //!
-//! 1. Tips on a grid ([`Ground`]): once, for all heights.
+//! 1. Tips on a grid ([`ground`]): once, for all heights.
 //! 2. Marching squares tell between which nodes of the grid the outline passes, and in what order
 //!    ([`trace`](crate::trace)).
 //! 3. Between a free node and one that is not, the crossing is found by halving, with the exact drop
