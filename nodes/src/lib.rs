@@ -6,6 +6,7 @@
 
 mod assemble;
 mod library;
+mod mask;
 mod offers;
 mod output;
 mod path;
@@ -29,4 +30,4 @@ pub use shop::{
     Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet,
     Tools, Travel,
 };
-pub use values::{Channels, Gcode, GrayImage, Image, Remark, Samples};
+pub use values::{Channels, Gcode, GrayImage, Image, Mask, Remark, Samples};

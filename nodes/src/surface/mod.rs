@@ -1,11 +1,13 @@
 //! Surfaces: made of pictures and points, read from files, turned and looked at.
 
+mod canvas;
 mod inspect_mesh;
 mod load_mesh;
 mod load_points;
 mod mesh_to_field;
 mod placing;
 mod point_cloud;
+mod portrait_map;
 mod read;
 mod stitch;
 mod transform_mesh;
@@ -18,6 +20,7 @@ pub(crate) use load_mesh::LoadMesh;
 pub(crate) use load_points::LoadPoints;
 pub(crate) use mesh_to_field::MeshToField;
 pub(crate) use point_cloud::PointCloudNode;
+pub(crate) use portrait_map::PortraitMap;
 pub(crate) use stitch::Stitch;
 pub(crate) use transform_mesh::TransformMesh;
 pub(crate) use transform_points::TransformPoints;

@@ -123,7 +123,7 @@ fn cutters_and_dialects_are_listed() {
 
 #[test]
 fn recipes_are_listed_and_described() {
-    assert!(told(&["graphs"]).contains("\nrelief         Relief from a picture\n"));
+    assert!(told(&["graphs"]).contains("\nrelief          Relief from a picture\n"));
     let relief = told(&["graphs", "relief"]);
     for line in [
         "image = samples/medallion.png ",
