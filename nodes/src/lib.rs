@@ -7,6 +7,7 @@
 mod assemble;
 mod job;
 mod library;
+mod mask;
 mod offers;
 mod output;
 mod path;
@@ -31,4 +32,4 @@ pub use shop::{
     Conditions, Machine, Machines, NONE, SetBy, Setup, SpindleRange, Tool, ToolChange, ToolSheet,
     Tools, Travel,
 };
-pub use values::{Channels, Gcode, GrayImage, Image, ProgramText, Remark, Samples, ToolUse};
+pub use values::{Channels, Gcode, GrayImage, Image, Mask, ProgramText, Remark, Samples, ToolUse};

@@ -5,9 +5,13 @@ use carvegraph_core::Library;
 /// The standard recipes, sorted by name, and the samples that they carve where nothing else is said.
 pub const LIBRARY: Library = Library {
     recipes: &[
+        ("depth_map", include_str!("../../graphs/depth_map.ron")),
         ("mesh_finish", include_str!("../../graphs/mesh_finish.ron")),
         ("patterns", include_str!("../../graphs/patterns.ron")),
+        ("photo", include_str!("../../graphs/photo.ron")),
         ("points_finish", include_str!("../../graphs/points_finish.ron")),
+        ("portrait", include_str!("../../graphs/portrait.ron")),
+        ("portrait_masks", include_str!("../../graphs/portrait_masks.ron")),
         ("relief", include_str!("../../graphs/relief.ron")),
         ("rest_finish", include_str!("../../graphs/rest_finish.ron")),
         ("two_tool_mesh", include_str!("../../graphs/two_tool_mesh.ron")),
@@ -16,6 +20,10 @@ pub const LIBRARY: Library = Library {
     ],
     assets: &[
         ("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png")),
+        ("samples/portrait-facial.png", include_bytes!("../../graphs/samples/portrait-facial.png")),
+        ("samples/portrait-hair.png", include_bytes!("../../graphs/samples/portrait-hair.png")),
+        ("samples/portrait-mask.png", include_bytes!("../../graphs/samples/portrait-mask.png")),
+        ("samples/portrait.png", include_bytes!("../../graphs/samples/portrait.png")),
         ("samples/shell.obj", include_bytes!("../../graphs/samples/shell.obj")),
         ("samples/shell.xyz", include_bytes!("../../graphs/samples/shell.xyz")),
         ("samples/sun_mask.png", include_bytes!("../../graphs/samples/sun_mask.png")),

@@ -2,8 +2,8 @@
 
 use crate::job::{Job, Operation, described};
 use crate::shop::{Setup, ToolSheet};
-use crate::values::{Gcode, GrayImage, Image, Remark, Samples};
-use crate::{output, path, picture, surface};
+use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
+use crate::{mask, output, path, picture, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Pattern, PointCloud, Polygon, Reduction, SpanKind,
@@ -15,37 +15,58 @@ use std::mem::size_of;
 /// Every node, sorted by name.
 pub(crate) fn kinds() -> Vec<NodeKind> {
     vec![
+        NodeKind::of::<picture::BilateralFilter>("picture"),
         NodeKind::of::<path::CirclesNode>("path"),
+        NodeKind::of::<picture::Clahe>("picture"),
+        NodeKind::of::<mask::ColorMask>("mask"),
+        NodeKind::of::<mask::CombineMasks>("mask"),
         NodeKind::of::<path::ContourParallelNode>("path"),
         NodeKind::of::<surface::CropField>("surface"),
+        NodeKind::of::<picture::CropImage>("picture"),
         NodeKind::of::<surface::CropMesh>("surface"),
         NodeKind::of::<surface::CropPoints>("surface"),
         NodeKind::of::<path::CrossRasterNode>("path"),
+        NodeKind::of::<picture::Curves>("picture"),
         NodeKind::of::<path::CutterNode>("path"),
+        NodeKind::of::<picture::DepthSmooth>("picture"),
         NodeKind::of::<path::DropCutter>("path"),
         NodeKind::of::<path::DropOnMesh>("path"),
         NodeKind::of::<path::DropOnPoints>("path"),
+        NodeKind::of::<picture::EdgeEmphasis>("picture"),
+        NodeKind::of::<mask::FeatherMask>("mask"),
+        NodeKind::of::<picture::FlipImage>("picture"),
         NodeKind::of::<picture::GaussianBlur>("picture"),
         NodeKind::of::<picture::Grayscale>("picture"),
+        NodeKind::of::<mask::GrowMask>("mask"),
         NodeKind::of::<path::HilbertNode>("path"),
         NodeKind::of::<surface::InspectMesh>("surface"),
+        NodeKind::of::<picture::Invert>("picture"),
+        NodeKind::of::<picture::Levels>("picture"),
         NodeKind::of::<path::Link>("path"),
         NodeKind::of::<picture::LoadImage>("picture"),
+        NodeKind::of::<mask::LoadMask>("mask"),
         NodeKind::of::<surface::LoadMesh>("surface"),
         NodeKind::of::<surface::LoadPoints>("surface"),
+        NodeKind::of::<mask::MaskLift>("mask"),
+        NodeKind::of::<picture::MedianBlur>("picture"),
         NodeKind::of::<surface::MeshToField>("surface"),
         NodeKind::of::<path::OffsetPolygon>("path"),
         NodeKind::of::<output::OperationNode>("output"),
         NodeKind::of::<surface::PointCloudNode>("surface"),
         NodeKind::of::<path::PolygonNode>("path"),
+        NodeKind::of::<mask::PolygonMask>("mask"),
+        NodeKind::of::<surface::PortraitMap>("surface"),
         NodeKind::of::<output::Post>("output"),
         NodeKind::of::<output::Preview>("output"),
         NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
         NodeKind::of::<path::ReduceCl>("path"),
+        NodeKind::of::<picture::ResizeImage>("picture"),
         NodeKind::of::<path::RestAreaNode>("path"),
+        NodeKind::of::<picture::RotateImage>("picture"),
         NodeKind::of::<path::Roughing>("path"),
         NodeKind::of::<output::SaveGcode>("output"),
+        NodeKind::of::<mask::SaveMask>("mask"),
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
         NodeKind::of::<path::SetupNode>("path"),
@@ -55,6 +76,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<picture::TraceMask>("picture"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
+        NodeKind::of::<picture::Vignette>("picture"),
         NodeKind::of::<path::WaterlineNode>("path"),
         NodeKind::of::<surface::ZMap>("surface"),
     ]
@@ -84,6 +106,9 @@ pub(crate) fn types() -> Vec<PortType> {
         ),
         PortType::of("image", "A picture as it was loaded", image_facts, image_bytes),
         PortType::of("job", "Operations in the order in which they are cut", job_facts, job_bytes),
+        PortType::of("mask", "Which pixels of a picture are meant", mask_facts, |mask: &Mask| {
+            mask.values.len() * 4
+        }),
         PortType::of("mesh", "A surface of triangles", mesh_facts, |mesh: &Mesh| {
             mesh.vertices.len() * 24 + mesh.triangles.len() * 12
         }),
@@ -171,6 +196,14 @@ fn picture_facts(width: usize, height: usize, channels: usize, bits: u32) -> Fac
 
 fn gray_facts(image: &GrayImage) -> Facts {
     picture_facts(image.width, image.height, 1, 32)
+}
+
+fn mask_facts(mask: &Mask) -> Facts {
+    facts([
+        ("width", json!(mask.width)),
+        ("height", json!(mask.height)),
+        ("selected_px", json!(mask.selected_px())),
+    ])
 }
 
 fn image_facts(image: &Image) -> Facts {

@@ -75,6 +75,25 @@ pub struct GrayImage {
     pub values: Vec<f32>,
 }
 
+/// Which pixels of a picture are meant: 0 is out and 1 in; between them a pixel is in by that share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mask {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// Row by row from the top; 0 to 1.
+    pub values: Vec<f32>,
+}
+
+impl Mask {
+    /// The pixels selected, those selected in part by their share.
+    #[must_use]
+    pub fn selected_px(&self) -> f64 {
+        self.values.iter().map(|share| f64::from(*share)).sum()
+    }
+}
+
 /// A machine program, or one for each tool where the controller does not change them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gcode {

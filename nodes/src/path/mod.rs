@@ -22,7 +22,7 @@ pub(crate) use drop_on_points::DropOnPoints;
 pub(crate) use link::Link;
 pub(crate) use pattern::{
     CirclesNode, ContourParallelNode, CrossRasterNode, HilbertNode, MAX_POINTS, OffsetPolygon,
-    PolygonNode, RadialNode, SpiralNode,
+    PolygonNode, RadialNode, SpiralNode, read_corner, read_corners,
 };
 pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;

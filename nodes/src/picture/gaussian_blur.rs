@@ -40,10 +40,21 @@ impl Node for GaussianBlur {
     type Outputs = Soft;
 
     fn run(&self, inputs: Sharp<'_>, cx: &Context<'_>) -> Result<Soft, NodeError> {
+        Ok(Soft { image: self.blurred(inputs.image, cx)? })
+    }
+}
+
+impl GaussianBlur {
+    /// The softened picture.
+    pub(super) fn blurred(
+        &self,
+        image: &GrayImage,
+        cx: &Context<'_>,
+    ) -> Result<GrayImage, NodeError> {
         if self.kernel == 1 {
-            return Ok(Soft { image: inputs.image.clone() });
+            return Ok(image.clone());
         }
-        let GrayImage { width, height, values } = inputs.image;
+        let GrayImage { width, height, values } = image;
         let weights = weights(self.kernel as usize);
         let ticker = cx.ticker(*height);
         let mut blurred = vec![0.0; values.len()];
@@ -52,10 +63,10 @@ impl Node for GaussianBlur {
             .enumerate()
             .try_for_each(|(band, out)| {
                 let tick = || ticker.tick(1);
-                blur_band(inputs.image, &weights, band * BAND_ROWS, out, &tick)
+                blur_band(image, &weights, band * BAND_ROWS, out, &tick)
             })
             .ok_or(NodeError::Cancelled)?;
-        Ok(Soft { image: GrayImage { width: *width, height: *height, values: blurred } })
+        Ok(GrayImage { width: *width, height: *height, values: blurred })
     }
 }
 
@@ -77,7 +88,7 @@ fn weights(kernel: usize) -> Vec<f32> {
 
 /// The index that stands for `i` when a line of `count` is mirrored about its ends without
 /// repeating them, as often as it takes.
-fn reflect(i: isize, count: usize) -> usize {
+pub(super) fn reflect(i: isize, count: usize) -> usize {
     let period = (2 * count as isize - 2).max(1);
     let i = i.rem_euclid(period);
     if i < count as isize { i as usize } else { (period - i) as usize }

@@ -39,24 +39,28 @@ impl Node for Grayscale {
     type Outputs = Gray;
 
     fn run(&self, inputs: Colored<'_>, cx: &Context<'_>) -> Result<Gray, NodeError> {
-        let image = inputs.image;
+        Ok(Gray { image: self.gray(inputs.image, cx)? })
+    }
+}
+
+impl Grayscale {
+    /// A picture's luminance.
+    pub(crate) fn gray(&self, image: &Image, cx: &Context<'_>) -> Result<GrayImage, NodeError> {
         let gray = match &image.samples {
-            Samples::U8(samples) => self.gray(image, samples, 255.0, cx)?,
-            Samples::U16(samples) => self.gray(image, samples, 65535.0, cx)?,
-            Samples::F32(samples) => self.gray(image, samples, 1.0, cx)?,
+            Samples::U8(samples) => self.values(image, samples, 255.0, cx)?,
+            Samples::U16(samples) => self.values(image, samples, 65535.0, cx)?,
+            Samples::F32(samples) => self.values(image, samples, 1.0, cx)?,
         };
         if let Some(at) = gray.par_iter().position_first(|value| !value.is_finite()) {
             let (x, y) = (at % image.width, at / image.width);
             let message = format!("the picture's pixel at column {x}, row {y} is {}", gray[at]);
             return Err(NodeError::Failed(message + ": mend it or leave such pixels out"));
         }
-        Ok(Gray { image: GrayImage { width: image.width, height: image.height, values: gray } })
+        Ok(GrayImage { width: image.width, height: image.height, values: gray })
     }
-}
 
-impl Grayscale {
     /// The gray of every pixel. `white` is the sample value that means 1.
-    fn gray<S: Copy + Sync + Into<f64>>(
+    fn values<S: Copy + Sync + Into<f64>>(
         &self,
         image: &Image,
         samples: &[S],

@@ -38,12 +38,18 @@ impl Node for LoadImage {
     type Outputs = Loaded;
 
     fn run(&self, (): (), cx: &Context<'_>) -> Result<Loaded, NodeError> {
+        Ok(Loaded { image: self.load(cx)? })
+    }
+}
+
+impl LoadImage {
+    /// The picture in the file.
+    pub(crate) fn load(&self, cx: &Context<'_>) -> Result<Image, NodeError> {
         let bytes = cx.read(&self.path)?;
-        let image = decode(&bytes, cx).map_err(|fault| match fault {
+        decode(&bytes, cx).map_err(|fault| match fault {
             _ if cx.is_cancelled() => NodeError::Cancelled,
             fault => NodeError::Failed(format!("{} {fault}", self.path)),
-        })?;
-        Ok(Loaded { image })
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Surfaces: made of pictures and points, read from files, turned, cropped and looked at.
 
+mod canvas;
 mod crop_field;
 mod crop_mesh;
 mod crop_points;
@@ -10,6 +11,7 @@ mod load_points;
 mod mesh_to_field;
 mod placing;
 mod point_cloud;
+mod portrait_map;
 mod read;
 mod stitch;
 mod transform_mesh;
@@ -25,6 +27,7 @@ pub(crate) use load_mesh::LoadMesh;
 pub(crate) use load_points::LoadPoints;
 pub(crate) use mesh_to_field::MeshToField;
 pub(crate) use point_cloud::PointCloudNode;
+pub(crate) use portrait_map::PortraitMap;
 pub(crate) use stitch::Stitch;
 pub(crate) use transform_mesh::TransformMesh;
 pub(crate) use transform_points::TransformPoints;

@@ -2,15 +2,12 @@
 //!
 //! Z = (I - I_min)·(Z_max - Z_min)/(I_max - I_min) + Z_min over the whole picture (Sood 2015,
 //! equation 3.3; the paper of 2018 prints I - Z_min, a misprint). The pitch is the canvas over the
-//! number of *pixels*, the smaller of both ways so that the picture fits and keeps its proportions:
-//! p = min(canvas width / columns, canvas height / rows). The surface spans one pitch less than the
-//! canvas, from the middle of the first pixel to the middle of the last. The picture's top row is
-//! the far edge (greatest y).
+//! number of *pixels*; see `canvas`.
 
+use super::canvas::{Canvas, Span};
 use crate::values::GrayImage;
 use carvegraph_core::{Conflict, Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{Bounds, HeightField};
-use rayon::prelude::*;
 
 /// Turns brightness into height and fits the picture to a canvas.
 #[derive(Clone, Debug, Params)]
@@ -58,54 +55,19 @@ impl Node for ZMap {
 
     fn run(&self, inputs: Brightness<'_>, cx: &Context<'_>) -> Result<Mapped, NodeError> {
         let image = inputs.image;
-        let (columns, rows) = (image.width, image.height);
-        if columns < 2 || rows < 2 {
-            return Err(NodeError::Failed(format!(
-                "a picture of {columns} × {rows} px makes no surface: it needs 2 × 2 px at least"
-            )));
-        }
-        let (dark, bright) = image
-            .values
-            .par_iter()
-            .map(|value| (*value, *value))
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        if dark == bright {
+        let span = Span::of(image, |_| true);
+        let scale = span.scale(self.z_min, self.z_max);
+        let height_of = |_, value: f64| (value - span.dark) * scale + self.z_min;
+        let canvas = Canvas { width_mm: self.canvas_width, height_mm: self.canvas_height };
+        let surface = canvas.surface(image, height_of, cx)?;
+        if span.is_even() {
             cx.warn(format!(
                 "the picture is one even gray: the surface is flat, at z_min = {} mm",
                 self.z_min
             ));
         }
-        let heights = self.heights(image, f64::from(dark), f64::from(bright), cx)?;
-        let pitch = (self.canvas_width / columns as f64).min(self.canvas_height / rows as f64);
-        let surface = HeightField::new(columns, rows, pitch, heights).map_err(NodeError::failed)?;
         let bounds = surface.bounds();
         Ok(Mapped { surface, bounds })
-    }
-}
-
-impl ZMap {
-    fn heights(
-        &self,
-        image: &GrayImage,
-        dark: f64,
-        bright: f64,
-        cx: &Context<'_>,
-    ) -> Result<Vec<f32>, NodeError> {
-        let scale = if bright > dark { (self.z_max - self.z_min) / (bright - dark) } else { 0.0 };
-        let columns = image.width;
-        let ticker = cx.ticker(image.height);
-        let mut heights = vec![0.0; image.values.len()];
-        heights
-            .par_chunks_exact_mut(columns)
-            .zip(image.values.par_chunks_exact(columns).rev())
-            .try_for_each(|(row, source)| {
-                for (height, value) in row.iter_mut().zip(source) {
-                    *height = ((f64::from(*value) - dark) * scale + self.z_min) as f32;
-                }
-                ticker.tick(1).then_some(())
-            })
-            .ok_or(NodeError::Cancelled)?;
-        Ok(heights)
     }
 }
 

@@ -6,6 +6,10 @@
 mod medallion;
 
 #[allow(dead_code, unreachable_pub, reason = "an example is a program of its own")]
+#[path = "../../../nodes/examples/portrait.rs"]
+mod portrait;
+
+#[allow(dead_code, unreachable_pub, reason = "an example is a program of its own")]
 #[path = "../../../nodes/examples/shell.rs"]
 mod shell;
 

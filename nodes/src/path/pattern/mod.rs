@@ -15,7 +15,7 @@ pub(crate) use contour_parallel::ContourParallelNode;
 pub(crate) use cross_raster::CrossRasterNode;
 pub(crate) use hilbert::HilbertNode;
 pub(crate) use offset_polygon::OffsetPolygon;
-pub(crate) use polygon::PolygonNode;
+pub(crate) use polygon::{PolygonNode, read_corner, read_corners};
 pub(crate) use radial::RadialNode;
 pub(crate) use spiral::SpiralNode;
 

@@ -26,21 +26,26 @@ impl Node for PolygonNode {
     type Outputs = Outline;
 
     fn check(&self) -> Result<(), Conflict> {
-        read(&self.corners).map(|_| ()).map_err(|message| Conflict { param: "corners", message })
+        read_corners(&self.corners)
+            .map(|_| ())
+            .map_err(|message| Conflict { param: "corners", message })
     }
 
     fn run(&self, (): (), _: &Context<'_>) -> Result<Outline, NodeError> {
-        Ok(Outline { polygon: read(&self.corners).map_err(NodeError::failed)? })
+        Ok(Outline { polygon: read_corners(&self.corners).map_err(NodeError::failed)? })
     }
 }
 
-fn read(text: &str) -> Result<Polygon, String> {
-    let corners = |text: &str| text.split_whitespace().map(corner).collect::<Result<Vec<_>, _>>();
+/// The loops written in `text`: corners as x,y with blanks between them, loops with semicolons.
+pub(crate) fn read_corners(text: &str) -> Result<Polygon, String> {
+    let corners =
+        |text: &str| text.split_whitespace().map(read_corner).collect::<Result<Vec<_>, _>>();
     let loops = text.split(';').map(corners).collect::<Result<_, _>>()?;
     Polygon::new(loops).map_err(|fault| fault.to_string())
 }
 
-fn corner(text: &str) -> Result<DVec2, String> {
+/// Two numbers with a comma between them.
+pub(crate) fn read_corner(text: &str) -> Result<DVec2, String> {
     let number = |text: &str| text.parse().ok().filter(|value: &f64| value.is_finite());
     let place = text.split_once(',').and_then(|(x, y)| Some(DVec2::new(number(x)?, number(y)?)));
     place.ok_or_else(|| format!("{text:?} is no corner: write it as 12.5,30"))

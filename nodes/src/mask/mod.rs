@@ -1,0 +1,39 @@
+//! Masks: which pixels of a picture are meant, drawn, chosen by colour or loaded, and put together.
+
+mod color_mask;
+mod combine_masks;
+mod distance;
+mod feather_mask;
+mod grow_mask;
+mod load_mask;
+mod mask_lift;
+mod polygon_mask;
+mod save_mask;
+
+pub(crate) use color_mask::ColorMask;
+pub(crate) use combine_masks::CombineMasks;
+pub(crate) use feather_mask::FeatherMask;
+pub(crate) use grow_mask::GrowMask;
+pub(crate) use load_mask::LoadMask;
+pub(crate) use mask_lift::MaskLift;
+pub(crate) use polygon_mask::PolygonMask;
+pub(crate) use save_mask::SaveMask;
+
+use crate::values::Mask;
+use carvegraph_core::NodeError;
+
+/// A pixel counts as selected from here on, where a node needs a yes or a no.
+pub(crate) const SELECTED: f32 = 0.5;
+
+/// Refuses a mask that was made for a picture of another size.
+pub(crate) fn check_size(mask: &Mask, what: &str, size: (usize, usize)) -> Result<(), NodeError> {
+    if (mask.width, mask.height) == size {
+        return Ok(());
+    }
+    let (width, height) = size;
+    Err(NodeError::Failed(format!(
+        "the mask has {} × {} px and {what} {width} × {height} px: make the mask for this picture, \
+         pixel by pixel",
+        mask.width, mask.height
+    )))
+}
