@@ -1,14 +1,15 @@
-//! The drop cutter on photo-like reliefs. Throughput is in cutter locations.
+//! The drop cutter on photo-like reliefs, 676 × 676 cutter locations 0.3 mm apart at most. Words on the
+//! command line choose jobs: `cargo bench -p carvegraph-geometry --bench drop_cutter -- 480x480`.
+//!
+//! Photographs as they are: `carve run relief --set image=photo.jpg --set surface=mesh --only drop
+//! --report report.json` tells the `wall_s` of the node `drop`.
 
-use carvegraph_geometry::{
-    Against, HeightField, Pattern, Profile, Raster, RasterStyle, drop_on_height_field,
-};
-use divan::counter::ItemsCount;
+#![allow(clippy::print_stdout, reason = "the figures are what this program is for")]
+
+mod measure;
+
+use carvegraph_geometry::{Against, HeightField, Pattern, Raster, RasterStyle, Surface};
 use rayon::prelude::*;
-
-fn main() {
-    divan::main();
-}
 
 /// A number from 0 to 1 for each node of a lattice, always the same.
 fn noise(x: i64, y: i64, octave: u64) -> f64 {
@@ -53,42 +54,33 @@ fn passes(field: &HeightField) -> Pattern {
     Raster { stepover_mm, feed_step_mm, direction_rad, style }.pattern(&field.bounds())
 }
 
-/// Columns, rows and mode; the mode's index is what divan can print.
-const JOBS: [(usize, usize, &str); 5] = [
-    (480, 480, "mesh"),
-    (1104, 1392, "mesh"),
-    (480, 480, "points"),
-    (4000, 4000, "points"),
-    (10_000, 10_000, "points"),
+/// Columns, rows and what counts of the field.
+const JOBS: [(usize, usize, Against); 5] = [
+    (480, 480, Against::Mesh),
+    (1104, 1392, Against::Mesh),
+    (480, 480, Against::Points),
+    (4000, 4000, Against::Points),
+    (10_000, 10_000, Against::Points),
 ];
 
-fn bench(bencher: divan::Bencher, (columns, rows, mode): (usize, usize, &str), profile: &Profile) {
-    let field = relief(columns, rows);
-    let pattern = passes(&field);
-    let against = if mode == "mesh" { Against::Mesh } else { Against::Points };
-    bencher
-        .counter(ItemsCount::new(pattern.points.len()))
-        .bench_local(|| drop_on_height_field(&field, against, profile, &pattern, 0.0, &|_| true));
-}
-
-#[divan::bench(args = JOBS.map(|job| format!("{}x{} {}", job.0, job.1, job.2)), sample_count = 5)]
-fn ball(bencher: divan::Bencher, job: &str) {
-    let job = JOBS.into_iter().find(|j| job == format!("{}x{} {}", j.0, j.1, j.2));
-    if let (Some(job), Ok(profile)) = (job, Profile::ball(3.0)) {
-        bench(bencher, job, &profile);
-    }
-}
-
-#[divan::bench(sample_count = 5)]
-fn flat_480_mesh(bencher: divan::Bencher) {
-    if let Ok(profile) = Profile::flat(3.0) {
-        bench(bencher, JOBS[0], &profile);
-    }
-}
-
-#[divan::bench(sample_count = 5)]
-fn bull_nose_480_mesh(bencher: divan::Bencher) {
-    if let Ok(profile) = Profile::bull_nose(3.0, 1.0) {
-        bench(bencher, JOBS[0], &profile);
+fn main() {
+    let pools = measure::begin();
+    for (columns, rows, against) in JOBS {
+        let jobs = measure::cutters().into_iter().map(|(cutter, profile)| {
+            (format!("{columns}x{rows} {against:?} {cutter}").to_lowercase(), profile)
+        });
+        // Finishing is done with balls: the others are shown where it matters.
+        let jobs: Vec<_> = jobs
+            .filter(|(name, _)| name.ends_with("s ball") || name.contains("mesh"))
+            .filter(|(name, _)| measure::asked_for(name))
+            .collect();
+        if jobs.is_empty() {
+            continue;
+        }
+        let field = relief(columns, rows);
+        let pattern = passes(&field);
+        for (name, profile) in jobs {
+            measure::row(&pools, &name, Surface::Field(&field, against), &pattern, &profile);
+        }
     }
 }

@@ -1,18 +1,16 @@
 //! The drop cutter on meshes: bumpy ones of 10⁴ to 10⁷ triangles, and real ones if the folder of
-//! `CARVE_DATA` (or `../../shared/data`) has them. Throughput is in cutter locations.
+//! `CARVE_DATA` (or `../../shared/data`) has them. Words on the command line choose jobs.
+
+#![allow(clippy::print_stdout, reason = "the figures are what this program is for")]
+
+mod measure;
 
 use carvegraph_geometry::{
-    Bounds, DVec3, Mesh, Pattern, PointCloud, Profile, Raster, RasterStyle, drop_on_mesh,
-    drop_on_points,
+    Bounds, DVec3, Mesh, Pattern, PointCloud, Profile, Raster, RasterStyle, Surface,
 };
-use divan::counter::ItemsCount;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-fn main() {
-    divan::main();
-}
 
 /// Side of the bumpy mesh in mm: 676 × 676 cutter locations 0.3 mm apart.
 const SIDE: f64 = 203.0;
@@ -68,60 +66,62 @@ fn passes(mesh: &Mesh, count: u32) -> Pattern {
         .pattern(&bounds)
 }
 
-fn drop_on(bencher: divan::Bencher, mesh: &Mesh, count: u32, profile: Profile) {
-    let pattern = passes(mesh, count);
-    bencher
-        .counter(ItemsCount::new(pattern.points.len()))
-        .bench_local(|| drop_on_mesh(mesh, &profile, &pattern, 0.0, &|_| true));
+fn main() {
+    let pools = measure::begin();
+    for count in [10_000, 100_000, 1_000_000, 10_000_000] {
+        let jobs = jobs(&format!("{count:e} bumpy"), count == 1_000_000);
+        if !jobs.is_empty() {
+            let mesh = bumpy(count);
+            drop_all(&pools, &jobs, Surface::Mesh(&mesh), &passes(&mesh, 676));
+        }
+    }
+    for count in [100_000, 1_000_000] {
+        let jobs = jobs(&format!("{count:e} points"), false);
+        if !jobs.is_empty() {
+            let mesh = bumpy(2 * count);
+            let pattern = passes(&mesh, 676);
+            let cloud = PointCloud { points: mesh.vertices, grid: None };
+            drop_all(&pools, &jobs, Surface::Points(&cloud), &pattern);
+        }
+    }
+    for (name, count) in
+        [("mount_rush", 100), ("mount_rush", 676), ("spider", 100), ("spider", 676)]
+    {
+        let jobs = jobs(&format!("{name} {count}"), count == 676);
+        if let Some(mesh) = real(name).filter(|_| !jobs.is_empty()) {
+            drop_all(&pools, &jobs, Surface::Mesh(&mesh), &passes(&mesh, count));
+        }
+    }
 }
 
-fn ball() -> Profile {
-    Profile::ball(3.0).expect("the radius is sound")
+/// The jobs of a surface that are asked for: its ball, or every cutter.
+fn jobs(surface: &str, all: bool) -> Vec<(String, Profile)> {
+    let cutters = measure::cutters().into_iter().take(if all { usize::MAX } else { 1 });
+    let jobs = cutters.map(|(cutter, profile)| (format!("{surface} {cutter}"), profile));
+    jobs.filter(|(name, _)| measure::asked_for(name)).collect()
 }
 
-#[divan::bench(args = [10_000, 100_000, 1_000_000, 10_000_000], sample_count = 3)]
-fn bumpy_ball(bencher: divan::Bencher, count: usize) {
-    drop_on(bencher, &bumpy(count), 676, ball());
+fn drop_all(
+    pools: &measure::Pools,
+    jobs: &[(String, Profile)],
+    surface: Surface,
+    pattern: &Pattern,
+) {
+    for (name, profile) in jobs {
+        measure::row(pools, name, surface, pattern, profile);
+    }
 }
 
-/// The index by itself.
-#[divan::bench(args = [10_000, 100_000, 1_000_000, 10_000_000], sample_count = 3)]
-fn bumpy_index(bencher: divan::Bencher, count: usize) {
-    let (mesh, none) = (bumpy(count), Pattern { points: Vec::new(), spans: Vec::new() });
-    bencher
-        .counter(ItemsCount::new(mesh.triangles.len()))
-        .bench_local(|| drop_on_mesh(&mesh, &ball(), &none, 0.0, &|_| true));
-}
-
-#[divan::bench(sample_count = 3)]
-fn bumpy_flat(bencher: divan::Bencher) {
-    drop_on(bencher, &bumpy(1_000_000), 676, Profile::flat(3.0).expect("the radius is sound"));
-}
-
-#[divan::bench(sample_count = 3)]
-fn bumpy_bull_nose(bencher: divan::Bencher) {
-    let bull = Profile::bull_nose(3.0, 1.0).expect("the radii are sound");
-    drop_on(bencher, &bumpy(1_000_000), 676, bull);
-}
-
-#[divan::bench(args = [100_000, 1_000_000], sample_count = 3)]
-fn bumpy_points(bencher: divan::Bencher, count: usize) {
-    let mesh = bumpy(2 * count);
-    let pattern = passes(&mesh, 676);
-    let cloud = PointCloud { points: mesh.vertices, grid: None };
-    bencher
-        .counter(ItemsCount::new(pattern.points.len()))
-        .bench_local(|| drop_on_points(&cloud, &ball(), &pattern, 0.0, &|_| true));
-}
-
-#[divan::bench(args = ["mount_rush 100", "mount_rush 676", "spider 100", "spider 676"], sample_count = 9)]
-fn real(bencher: divan::Bencher, job: &str) {
-    let (name, count) = job.split_once(' ').expect("a name and a count");
+/// A mesh of the data folder.
+fn real(name: &str) -> Option<Mesh> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
     let folder = std::env::var_os("CARVE_DATA").map_or(beside.into(), PathBuf::from);
     match std::fs::read(folder.join(name).with_extension("stl")) {
-        Ok(bytes) => drop_on(bencher, &binary_stl(&bytes), count.parse().unwrap_or(100), ball()),
-        Err(fault) => eprintln!("skipped: {name}.stl in {}: {fault}", folder.display()),
+        Ok(bytes) => Some(binary_stl(&bytes)),
+        Err(fault) => {
+            eprintln!("skipped: {name}.stl in {}: {fault}", folder.display());
+            None
+        }
     }
 }
 

@@ -1,22 +1,28 @@
-//! A ball on the six triangles around a node: the inner loop of finishing.
+//! A cutter on the six triangles around a node: the inner loop of finishing.
 //!
-//! The clearance c = tip + h(r) − z of a ball is convex over each triangle. So
+//! The clearance c = tip + h(r) − z of a convex cutter is convex over each triangle. So
 //!
 //! * it is nowhere less than its tangent at the node: a triangle can only be touched if the tangent
 //!   falls, along one of its two edges from the node, by more than the clearance there;
-//! * along an edge it falls so from the node, or nothing of the edge can be touched.
+//! * along an edge it falls so from the node, or nothing of the edge can be touched;
+//! * nothing is touched of what lies under the cutter's tangent plane at the contact known so far.
 //!
-//! All six planes are computed at once, without a branch, which is faster than to choose among them.
-//! Of two neighbours around which all could be touched, what they share is tested once.
+//! Where a cutter has no tangent, it is beyond its rim or not convex, a support that is below it all over
+//! the triangles does the first two.
+//!
+//! All six planes are computed at once, without a branch, which is faster than to choose among them:
+//! [`super::layer`] has them for profiles of any kind. Of two neighbours around which all could be
+//! touched, what they share is tested once.
 //!
 //! Places of a triangle are told from the node: node + α·e + β·e′, e and e′ the two edges.
 
-use super::ball::Ball;
 use super::best::Best;
-use super::cell::{ALL_EDGES, AROUND, falling_edges, heights_around};
-use super::gauge::{BulgeGauge, Gauge};
+use super::cell::{ALL_EDGES, AROUND, ends_above, heights_around};
+use super::edge::Edge;
+use super::gauge::Gauge;
 use super::probes::drop_on_node;
 use super::search::{Ground, Probe};
+use super::shape::Shape;
 use crate::ContactKind;
 use glam::DVec2;
 use wide::f32x4;
@@ -38,15 +44,17 @@ const ALPHA: [[f64; 6]; 2] = [[1.0, 1.0, 0.0, -1.0, -1.0, 0.0], [-1.0, 0.0, 1.0,
 /// β, likewise.
 const BETA: [[f64; 6]; 2] = [[0.0, -1.0, -1.0, 0.0, 1.0, 1.0], [1.0, 1.0, 0.0, -1.0, -1.0, 0.0]];
 
-/// Probe for a ball against the mesh.
-pub(super) struct AroundNode {
-    pub(super) ball: Ball,
-    pub(super) gauge: BulgeGauge,
+/// Probe for a cutter against the mesh.
+pub(super) struct AroundNode<S, G> {
+    pub(super) shape: S,
+    pub(super) gauge: G,
     /// Pitch / R.
     pub(super) pitch: f64,
+    /// Whether a node touched alone leaves few others to look at.
+    pub(super) gauge_is_close: bool,
 }
 
-impl Probe for AroundNode {
+impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
     #[inline]
     fn reach(&self) -> f64 {
         self.pitch
@@ -62,19 +70,25 @@ impl Probe for AroundNode {
         let place = DVec2::new(i as f64, j as f64) * ground.pitch;
         let (out, z) = (place - at, ground.height(i, j));
         let around = heights_around(ground, i, j);
-        let inside = self.ball.radius * self.ball.radius - out.length_squared();
-        // Beyond the rim, or on it, there is no tangent.
-        let mut falls = ALL_EDGES;
-        if inside >= 0.0 {
-            let root = inside.sqrt();
-            let tip = z - (self.ball.radius - root);
+        let mut falls = if let Some((h, climb)) = self.shape.tangent(out.length_squared()) {
+            let tip = z - h;
             best.raise(tip, ContactKind::Vertex, (i, j), || place.extend(z));
-            if root > 0.0 {
-                falls = falling_edges(z, &around, out * (ground.pitch / root), best.tip - tip);
-            }
-        }
+            ends_above(&around, best.tip + h, out * (ground.pitch * climb))
+        } else {
+            drop_on_node(&self.shape, ground, at, i, j, best);
+            self.above_support(ground, out, z, &around, best.tip)
+        };
         falls = not_done(falls, i, j, best);
-        if falls != 0 {
+        if falls == 0 {
+            return;
+        }
+        // What lies under the tangent at the contact is not touched.
+        let (level, climb) = best.tangent(&self.shape, at);
+        let base = level + climb.dot(out);
+        let above = ends_above(&around, base, climb * ground.pitch);
+        let above = if z > base { ALL_EDGES } else { above };
+        if triangles_at(falls) & triangles_at(above) != 0 {
+            falls &= above;
             best.mark_done((i, j));
             let node = Node {
                 ij: (i, j),
@@ -85,14 +99,46 @@ impl Probe for AroundNode {
                 pitch: ground.pitch,
                 per_pitch: ground.per_pitch,
             };
-            node.drop_on_star(self.ball.radius, falls, best);
+            node.drop_on_star(&self.shape, falls, best);
         }
     }
 
     #[inline]
     fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
-        drop_on_node(&self.ball, ground, at, i, j, best);
+        if self.gauge_is_close {
+            return drop_on_node(&self.shape, ground, at, i, j, best);
+        }
+        self.visit(ground, at, i, j, best);
     }
+}
+
+impl<S: Shape, G> AroundNode<S, G> {
+    /// Bits of the edges of which an end lies above a support of the shape that is about as steep as the
+    /// surface outward: no others can be touched. `out` leads from the axis to the node.
+    fn above_support(
+        &self,
+        ground: &Ground,
+        out: DVec2,
+        z: f64,
+        around: &[f64; 6],
+        tip: f64,
+    ) -> u32 {
+        let (r, wide) = (out.length(), std::f64::consts::SQRT_2 * ground.pitch);
+        // On the axis any way is outward.
+        let outward = if r > 0.0 { out / r } else { DVec2::X };
+        let rise = DVec2::new(around[0] - around[3], around[2] - around[5]);
+        // NaN, at the border, is as good as level.
+        let slope = (outward.dot(rise) * 0.5 * ground.per_pitch).max(0.0);
+        let (a, b) = self.shape.support(r, wide, slope);
+        let base = tip + a + b * r;
+        if z > base { ALL_EDGES } else { ends_above(around, base, outward * (b * ground.pitch)) }
+    }
+}
+
+/// Bits of the triangles beside edges: triangle k lies between edges k and k + 1.
+#[inline]
+fn triangles_at(edges: u32) -> u32 {
+    (edges | edges >> 1 | edges << 5) & ALL_EDGES
 }
 
 /// The edges in `falls` but those to nodes around which all was tested already: all that can be
@@ -111,7 +157,7 @@ fn not_done(falls: u32, i: usize, j: usize, best: &Best) -> u32 {
     left
 }
 
-/// Contacts of a ball with the planes of the triangles around a node; NaN beyond the border.
+/// Contacts with the planes of the triangles around a node; NaN beyond the border.
 struct Planes {
     /// Height of the tip, in mm.
     tip: [f64; 6],
@@ -154,12 +200,35 @@ struct Node {
 }
 
 impl Node {
-    /// Drops a ball on the triangles around, and on those edges from the node that are in `falls`.
+    /// Drops a cutter on the triangles around, and on those edges from the node that are in `falls`.
     ///
     /// The edges across from the node are left to the visits of their own ends: an edge can only be
     /// touched if one of its two ends could not be ruled out.
-    fn drop_on_star(&self, radius: f64, falls: u32, best: &mut Best) {
-        let planes = self.planes(radius);
+    fn drop_on_star(&self, shape: &impl Shape, falls: u32, best: &mut Best) {
+        let slopes = self.slopes();
+        let mut planes = self.planes(shape.touch_planes(0, &slopes.squared()), &slopes);
+        self.drop_on_planes(&planes, best);
+        for layer in 1..shape.layers() {
+            let others = self.planes(shape.touch_planes(layer, &slopes.squared()), &slopes);
+            self.drop_on_planes(&others, best);
+            for k in 0..6 {
+                // NaN stays.
+                planes.tip[k] =
+                    if others.tip[k] > planes.tip[k] { others.tip[k] } else { planes.tip[k] };
+            }
+        }
+        // An edge lies in two planes and is not higher than either.
+        let above = planes.above(best.tip);
+        let mut edges = falls & above & (above << 1 | above >> 5);
+        while edges != 0 {
+            let k = edges.trailing_zeros() as usize;
+            edges &= edges - 1;
+            self.drop_on_edge(shape, k, best);
+        }
+    }
+
+    #[inline]
+    fn drop_on_planes(&self, planes: &Planes, best: &mut Best) {
         let mut held = planes.above(best.tip) & planes.held();
         while held != 0 {
             let k = held.trailing_zeros() as usize;
@@ -173,29 +242,26 @@ impl Node {
                 (self.at + self.out + DVec2::new(x, y)).extend(self.z + rise)
             });
         }
-        // An edge lies in two planes and is not higher than either.
-        let above = planes.above(best.tip);
-        let mut edges = falls & above & (above << 1 | above >> 5);
-        while edges != 0 {
-            let k = edges.trailing_zeros() as usize;
-            edges &= edges - 1;
-            self.drop_on_edge(radius, k, best);
-        }
     }
 
-    /// The planes of the six triangles.
+    /// Slopes of the six triangles.
     #[inline(always)]
-    fn planes(&self, radius: f64) -> Planes {
+    fn slopes(&self) -> Slopes {
         let (z, n) = (self.z, &self.around);
-        let across = [n[0] - z, n[1] - n[2], z - n[3], z - n[3], n[5] - n[4], n[0] - z];
-        let along = [n[1] - n[0], n[2] - z, n[2] - z, n[3] - n[4], z - n[5], z - n[5]];
+        let x = [n[0] - z, n[1] - n[2], z - n[3], z - n[3], n[5] - n[4], n[0] - z];
+        let y = [n[1] - n[0], n[2] - z, n[2] - z, n[3] - n[4], z - n[5], z - n[5]];
+        Slopes { x: x.map(|rise| rise * self.per_pitch), y: y.map(|rise| rise * self.per_pitch) }
+    }
+
+    /// The planes of the six triangles, from where they are touched.
+    #[inline(always)]
+    fn planes(&self, [per_slope, raised]: [[f64; 6]; 2], slopes: &Slopes) -> Planes {
         let (mut tip, mut x, mut y, mut room) = ([0.0; 6], [0.0; 6], [0.0; 6], [0.0; 6]);
         for k in 0..6 {
-            let (slope_x, slope_y) = (across[k] * self.per_pitch, along[k] * self.per_pitch);
-            let steep = (1.0 + (slope_x * slope_x + slope_y * slope_y)).sqrt();
-            let at_axis = z - (slope_x * self.out.x + slope_y * self.out.y);
-            tip[k] = at_axis + radius * (steep - 1.0);
-            let reach = radius / steep;
+            let (slope_x, slope_y) = (slopes.x[k], slopes.y[k]);
+            let at_axis = self.z - (slope_x * self.out.x + slope_y * self.out.y);
+            tip[k] = at_axis + raised[k];
+            let reach = per_slope[k];
             (x[k], y[k]) = (slope_x * reach - self.out.x, slope_y * reach - self.out.y);
             let alpha = ALPHA[0][k] * x[k] + ALPHA[1][k] * y[k];
             let beta = BETA[0][k] * x[k] + BETA[1][k] * y[k];
@@ -206,27 +272,26 @@ impl Node {
         Planes { tip, x, y, room }
     }
 
-    /// Drops a ball on edge `k` from the node.
+    /// Drops a cutter on edge `k` from the node.
     #[inline]
-    fn drop_on_edge(&self, radius: f64, k: usize, best: &mut Best) {
-        let (from, z, rise) = (self.out, self.z, self.around[k] - self.z);
-        let way = EDGES[k];
-        // Everything in terms of t, the share of the edge, whose length in pitches is 1 or √2.
+    fn drop_on_edge(&self, shape: &impl Shape, k: usize, best: &mut Best) {
+        // Length in pitches 1 or √2.
         let length = self.pitch * if k % 3 == 1 { std::f64::consts::SQRT_2 } else { 1.0 };
-        let unit = way * (self.pitch / length);
-        let (along, across) = (from.dot(unit), unit.perp_dot(from));
-        let inside = radius * radius - across * across;
-        if inside <= 0.0 {
-            return;
-        }
-        let slope = rise / length;
-        let (rho, steep) = (inside.sqrt(), (1.0 + slope * slope).sqrt());
-        let way_along = rho * slope / steep - along;
-        if way_along >= 0.0 && way_along <= length {
-            let tip = (z - slope * along) + (rho * steep - radius);
-            best.raise(tip, ContactKind::Edge, self.ij, || {
-                (self.at + from + unit * way_along).extend(z + slope * way_along)
-            });
-        }
+        let unit = EDGES[k] * (self.pitch / length);
+        let edge = Edge::new(self.out, self.z, unit, length, self.around[k] - self.z);
+        shape.drop_on_edge(&edge, self.at, self.ij, best);
+    }
+}
+
+/// Slopes of the triangles around a node.
+struct Slopes {
+    x: [f64; 6],
+    y: [f64; 6],
+}
+
+impl Slopes {
+    #[inline(always)]
+    fn squared(&self) -> [f64; 6] {
+        std::array::from_fn(|k| self.x[k] * self.x[k] + self.y[k] * self.y[k])
     }
 }

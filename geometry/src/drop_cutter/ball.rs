@@ -11,9 +11,13 @@
 
 use super::best::{Best, Place};
 use super::edge::Edge;
-use super::shape::{Facet, Shape};
+use super::facet::Facet;
+use super::shape::Shape;
 use crate::ContactKind;
 use glam::DVec2;
+
+/// The tangent there, / R, is as steep as a support may be: 16 / √(1 + 16²).
+const TANGENT_WITHIN: f64 = 0.998_052_578;
 
 /// A ball nose of radius R in mm.
 pub(super) struct Ball {
@@ -33,13 +37,37 @@ impl Shape for Ball {
     }
 
     #[inline]
-    fn slope(&self, r2: f64) -> Option<f64> {
-        let inside = self.radius * self.radius - r2;
-        (inside > 0.0).then(|| (r2 / inside).sqrt())
+    fn support(&self, r: f64, _: f64, _: f64) -> (f64, f64) {
+        let r = r.min(self.radius * TANGENT_WITHIN);
+        let root = (self.radius * self.radius - r * r).sqrt();
+        let slope = r / root;
+        (self.radius - root - slope * r, slope)
+    }
+
+    fn tangent_of_hull(&self, r: f64) -> (f64, f64) {
+        self.support(r, 0.0, 0.0)
     }
 
     #[inline]
-    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64 {
+    fn tangent(&self, r2: f64) -> Option<(f64, f64)> {
+        let inside = self.radius * self.radius - r2;
+        let root = inside.sqrt();
+        let near = self.radius * TANGENT_WITHIN;
+        (r2 < near * near).then(|| (self.radius - root, 1.0 / root))
+    }
+
+    #[inline(always)]
+    fn touch_planes(&self, _: usize, slope2: &[f64; 6]) -> [[f64; 6]; 2] {
+        let mut touch = [[0.0; 6]; 2];
+        for k in 0..6 {
+            let steep = (1.0 + slope2[k]).sqrt();
+            (touch[0][k], touch[1][k]) = (self.radius / steep, self.radius * (steep - 1.0));
+        }
+        touch
+    }
+
+    #[inline]
+    fn drop_on_triangle(&self, triangle: &Facet, at: DVec2, best: &mut Best) -> f64 {
         let slope = triangle.slope();
         let steep = (1.0 + slope.length_squared()).sqrt();
         let tip = triangle.height_at_axis() + self.radius * (steep - 1.0);
@@ -47,7 +75,7 @@ impl Shape for Ball {
             let place = slope * (self.radius / steep);
             if triangle.holds(place) {
                 let h = self.radius * (1.0 - 1.0 / steep);
-                let (tip, point) = (triangle.tip(tip, place, h), || triangle.point(at, place));
+                let (tip, point) = (triangle.tip(place, h), || triangle.point(at, place));
                 best.raise(tip, ContactKind::Facet, triangle.place(), point);
             }
         }

@@ -1,7 +1,8 @@
 //! The highest contact found so far at one cutter location.
 
+use super::shape::Shape;
 use crate::{Contact, ContactKind};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Where an index has what was touched: a node (i, j) of a field, or an item of a list and 0.
 pub(super) type Place = (usize, usize);
@@ -18,7 +19,19 @@ pub(super) struct Best {
     pub(super) node: Place,
     /// Nodes around which all was tested, each at its [`place_of`].
     done: [(usize, usize); 16],
+    /// The cutter's tangent plane at the contact, and the tip it was made for.
+    tangent: (Plane, f64),
 }
+
+/// Height in mm above the axis, and slope.
+type Plane = (f64, DVec2);
+
+/// Stands for no plane: all is above it.
+const NO_PLANE: Plane = (f64::NEG_INFINITY, DVec2::ZERO);
+
+/// What is above the tangent plane by less, in mm, is not looked at: a hundredth of the exactness
+/// promised, for what is touched lies in the plane but for rounding.
+const NOT_WORTH: f64 = 1e-11;
 
 impl Best {
     pub(super) const NONE: Self = Self {
@@ -27,7 +40,23 @@ impl Best {
         contact: Contact::NONE,
         node: (0, 0),
         done: [(usize::MAX, usize::MAX); 16],
+        tangent: (NO_PLANE, f64::NEG_INFINITY),
     };
+
+    /// A plane that no cutter at the height reached comes below: its tangent at the contact if its shape
+    /// is convex. What lies under it cannot raise the tip, and that is all of what is around a contact
+    /// with a ridge or a top.
+    #[inline]
+    pub(super) fn tangent(&mut self, shape: &impl Shape, at: DVec2) -> Plane {
+        if self.tangent.1 != self.tip {
+            let out = self.contact.point.truncate() - at;
+            let plane = shape.tangent(out.length_squared()).map_or(NO_PLANE, |(h, climb)| {
+                (self.tip + NOT_WORTH + h - climb * out.length_squared(), out * climb)
+            });
+            self.tangent = (plane, self.tip);
+        }
+        self.tangent.0
+    }
 
     /// Remembers that all around a node was tested. A later node may take its place.
     #[inline]

@@ -16,15 +16,15 @@
 //! there is only what the surface curves within the box.
 //!
 //! Lengths are relative to the cutter's radius R and the middle of the whole, in f32 rounded to the
-//! safe side. A box that a [`Gauge`] shows to stay clear of the cutter at the best height found so
-//! far is left out.
+//! safe side. A box that a [`LidGauge`] shows to stay clear of the cutter at the best height found so
+//! far is left out, and of the four with one parent the one that comes nearest is looked at first.
 //!
 //! # Limits
 //! * 43 bytes of index a thing; 20 bytes more while it is built. At most 2³² things.
 //! * Things that are much larger than their neighbours make the boxes above them large.
 
 use super::best::Best;
-use super::gauge::{Gauge, Lids};
+use super::lids::{LidGauge, Lids};
 use crate::Tick;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -135,7 +135,7 @@ impl Boxes {
     #[inline]
     pub(super) fn search(
         &self,
-        gauge: &impl Gauge,
+        gauge: &impl LidGauge,
         at: DVec2,
         best: &mut Best,
         visit: &impl Fn(usize, &mut Best),
@@ -369,13 +369,19 @@ struct Walk<'a, G, V> {
     visit: &'a V,
 }
 
-impl<G: Gauge, V: Fn(usize, &mut Best)> Walk<'_, G, V> {
-    /// Looks at the fours with one parent.
+impl<G: LidGauge, V: Fn(usize, &mut Best)> Walk<'_, G, V> {
+    /// Looks at the fours with one parent, what is likeliest to touch first.
     fn descend(&self, level: usize, k: usize, best: &mut Best) {
-        let mut hits = self.test(&self.boxes.levels[level][k], best);
+        let before = best.tip;
+        let (mut hits, clearance) = self.test(&self.boxes.levels[level][k], best);
         while hits != 0 {
-            let child = k * FACTOR + hits.trailing_zeros() as usize;
-            hits &= hits - 1;
+            let lane = least(hits, &clearance);
+            hits &= !(1 << lane);
+            if clearance[lane] >= -self.raised(before, best.tip) {
+                // So it is with those that are left.
+                return;
+            }
+            let child = k * FACTOR + lane;
             if level == 0 {
                 (self.visit)(child, best);
             } else {
@@ -384,9 +390,16 @@ impl<G: Gauge, V: Fn(usize, &mut Best)> Walk<'_, G, V> {
         }
     }
 
-    /// Which of four boxes can matter.
+    /// How much higher a tip is than another, / R and rounded down; 0 if there was none before.
     #[inline]
-    fn test(&self, four: &Four, best: &Best) -> u32 {
+    fn raised(&self, before: f64, tip: f64) -> f32 {
+        let raised = ((tip - before) * self.boxes.per_radius) as f32 * (1.0 - ROUNDING);
+        if before.is_finite() { raised } else { 0.0 }
+    }
+
+    /// Which of four boxes can matter, and how far they stay clear at least.
+    #[inline]
+    fn test(&self, four: &Four, best: &Best) -> (u32, [f32; FACTOR]) {
         let (x, y) = (self.axis.x.distance(four.x), self.axis.y.distance(four.y));
         let tip = (best.tip - self.boxes.middle.z) * self.boxes.per_radius;
         // Finite, so that −∞, which stands for no box, is below it.
@@ -394,7 +407,7 @@ impl<G: Gauge, V: Fn(usize, &mut Best)> Walk<'_, G, V> {
         let rise = (four.top - low) * f32x4::splat(1.0 + ROUNDING);
         let hits = self.gauge.may_touch(x, y, rise);
         if hits == 0 {
-            return 0;
+            return (0, [0.0; FACTOR]);
         }
         let half = |[low, high]: [f32x4; 2]| (high - low) * f32x4::splat(0.5 + ROUNDING);
         let lids = Lids {
@@ -406,6 +419,23 @@ impl<G: Gauge, V: Fn(usize, &mut Best)> Walk<'_, G, V> {
             slope_x: four.slope[0],
             slope_y: four.slope[1],
         };
-        hits & !self.gauge.clears(&lids)
+        let clearance = self.gauge.clearance(&lids);
+        (hits & !clearance.simd_ge(f32x4::ZERO).to_bitmask(), clearance.to_array())
     }
+}
+
+/// The lane with the least value of those in `hits`, which are not none.
+#[inline]
+fn least(hits: u32, values: &[f32; FACTOR]) -> usize {
+    let first = hits.trailing_zeros() as usize;
+    let mut rest = hits & (hits - 1);
+    let mut least = first;
+    while rest != 0 {
+        let lane = rest.trailing_zeros() as usize;
+        rest &= rest - 1;
+        if values[lane] < values[least] {
+            least = lane;
+        }
+    }
+    least
 }

@@ -12,7 +12,7 @@
 
 use super::best::{Best, Place};
 use super::edge::Edge;
-use super::shape::{Facet, Shape};
+use super::shape::Shape;
 use crate::ContactKind;
 use glam::{DVec2, DVec3};
 
@@ -24,12 +24,8 @@ const LOST: f64 = 2e-15;
 /// the exactness promised.
 const NOT_WORTH_AN_EDGE: f64 = 1e-11;
 
-/// Cutters steeper than this are not ruled out by their tangent: near the rim its rounding grows
-/// with the slope without bound. With this little it stays below 1e-13·R.
-const STEEP_TANGENT: f64 = 16.0;
-
-/// The facet of a triangle.
-struct Inside {
+/// A triangle as a part of a plane with a slope. Places are told from the axis, in mm.
+pub(super) struct Facet {
     item: usize,
     /// First corner, from the axis.
     first: DVec3,
@@ -44,12 +40,16 @@ struct Inside {
     raised: f64,
 }
 
-impl Inside {
+impl Facet {
     /// `None` for an upright or degenerate triangle.
     #[inline]
-    fn new([first, second, third]: [DVec3; 3], item: usize, radius: f64) -> Option<Self> {
+    fn new(
+        [first, second, third]: [DVec3; 3],
+        normal: DVec3,
+        item: usize,
+        radius: f64,
+    ) -> Option<Self> {
         let (to_second, to_third) = (second - first, third - first);
-        let normal = to_second.cross(to_third);
         let (area2, slope) = (normal.z, normal.truncate() / -normal.z);
         let narrow = (to_second.length_squared() * to_third.length_squared()).sqrt() / area2.abs();
         let far = first.x.abs() + first.y.abs() + radius;
@@ -82,37 +82,43 @@ impl Inside {
         let (second, third) = self.shares(place);
         self.first.z + (second * self.to_second.z + third * self.to_third.z)
     }
-}
 
-impl Facet for Inside {
+    /// Where the index has it.
     #[inline]
-    fn place(&self) -> Place {
+    pub(super) fn place(&self) -> Place {
         (self.item, 0)
     }
 
+    /// Slope of the plane.
     #[inline]
-    fn slope(&self) -> DVec2 {
+    pub(super) fn slope(&self) -> DVec2 {
         self.slope
     }
 
+    /// Height of the plane at the axis, in mm, rounded up by enough that no tip on the plane that follows
+    /// from it is too low.
     #[inline]
-    fn height_at_axis(&self) -> f64 {
+    pub(super) fn height_at_axis(&self) -> f64 {
         self.height_at_axis
     }
 
+    /// Whether a place of the plane lies in the triangle; its border counts.
     #[inline]
-    fn holds(&self, place: DVec2) -> bool {
+    pub(super) fn holds(&self, place: DVec2) -> bool {
         let (second, third) = self.shares(place);
         second >= 0.0 && third >= 0.0 && second + third <= 1.0
     }
 
+    /// The point of the plane at a place; `at` is the axis.
     #[inline]
-    fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
+    pub(super) fn point(&self, at: DVec2, place: DVec2) -> DVec3 {
         (at + place).extend(self.height(place))
     }
 
+    /// The tip at which a cutter touches the triangle at a place it holds, where the cutter is `h` above
+    /// its tip.
     #[inline]
-    fn tip(&self, _: f64, place: DVec2, h: f64) -> f64 {
+    pub(super) fn tip(&self, place: DVec2, h: f64) -> f64 {
         self.height(place) - h
     }
 }
@@ -127,11 +133,16 @@ pub(super) fn drop_on_triangle(
     best: &mut Best,
 ) {
     let seen = corners.map(|corner| corner - at.extend(0.0));
-    let high = above_tangent(shape, &seen, best.tip);
+    let (level, climb) = best.tangent(shape, at);
+    if seen.iter().all(|corner| corner.z <= level + climb.dot(corner.truncate())) {
+        return;
+    }
+    let normal = (seen[1] - seen[0]).cross(seen[2] - seen[0]);
+    let high = above_support(shape, &seen, normal, best.tip);
     if high == [false; 3] {
         return;
     }
-    if let Some(facet) = Inside::new(seen, item, shape.radius()) {
+    if let Some(facet) = Facet::new(seen, normal, item, shape.radius()) {
         let on_plane = shape.drop_on_triangle(&facet, at, best);
         // If the facet itself is touched, its edges are not higher but by what was rounded up.
         if on_plane - (2.0 * facet.raised).min(NOT_WORTH_AN_EDGE) <= best.tip {
@@ -151,17 +162,19 @@ pub(super) fn drop_on_triangle(
     }
 }
 
-/// Which corners lie above a tangent of a convex shape at the height `tip`: what is between two that
-/// do not stays clear. All of them, if there is no tangent.
+/// Which corners lie above a support of the shape at the height `tip`: what is between two that do
+/// not stays clear.
 #[inline]
-fn above_tangent(shape: &impl Shape, corners: &[DVec3; 3], tip: f64) -> [bool; 3] {
-    let middle = (corners[0] + corners[1] + corners[2]).truncate() / 3.0;
-    let r2 = middle.length_squared();
-    let Some(slope) = shape.slope(r2).filter(|slope| *slope <= STEEP_TANGENT) else {
-        return [true; 3];
-    };
-    // On the axis level is a tangent of every convex shape.
-    let climb = if r2 > 0.0 { middle * (slope / r2.sqrt()) } else { DVec2::ZERO };
-    let base = tip + shape.height(r2) - climb.dot(middle);
-    corners.map(|corner| corner.z > base + climb.dot(corner.truncate()))
+fn above_support(shape: &impl Shape, corners: &[DVec3; 3], normal: DVec3, tip: f64) -> [bool; 3] {
+    let plan = corners.map(|corner| corner.truncate());
+    let middle = (plan[0] + plan[1] + plan[2]) / 3.0;
+    let wide2 = plan.map(|corner| corner.distance_squared(middle));
+    let (wide, r) = (wide2[0].max(wide2[1]).max(wide2[2]).sqrt(), middle.length());
+    // On the axis any way is outward.
+    let outward = if r > 0.0 { middle / r } else { DVec2::X };
+    // NaN, of an upright triangle, is as good as level.
+    let slope = (outward.dot(normal.truncate()) / -normal.z).max(0.0);
+    let (a, b) = shape.support(r, wide, slope);
+    let (base, climb) = (tip + a, outward * b);
+    [0, 1, 2].map(|k| corners[k].z > base + climb.dot(plan[k]))
 }

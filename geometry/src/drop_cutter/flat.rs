@@ -5,7 +5,8 @@
 
 use super::best::{Best, Place};
 use super::edge::Edge;
-use super::shape::{Facet, Shape};
+use super::facet::Facet;
+use super::shape::{STEEPEST_SUPPORT, Shape};
 use crate::ContactKind;
 use glam::DVec2;
 
@@ -26,12 +27,35 @@ impl Shape for Flat {
     }
 
     #[inline]
-    fn slope(&self, r2: f64) -> Option<f64> {
-        (r2 <= self.radius * self.radius).then_some(0.0)
+    fn support(&self, r: f64, _: f64, slope: f64) -> (f64, f64) {
+        // Beyond the rim it may lean as it likes.
+        let slope = if r > self.radius { slope.clamp(0.0, STEEPEST_SUPPORT) } else { 0.0 };
+        (-slope * self.radius, slope)
+    }
+
+    fn tangent_of_hull(&self, r: f64) -> (f64, f64) {
+        self.support(r, 0.0, 0.0)
     }
 
     #[inline]
-    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64 {
+    fn tangent(&self, r2: f64) -> Option<(f64, f64)> {
+        (r2 <= self.radius * self.radius).then_some((0.0, 0.0))
+    }
+
+    #[inline(always)]
+    fn touch_planes(&self, _: usize, slope2: &[f64; 6]) -> [[f64; 6]; 2] {
+        let mut touch = [[0.0; 6]; 2];
+        for k in 0..6 {
+            let slope = slope2[k].sqrt();
+            // On a level plane every place is as good; this gives the axis.
+            touch[0][k] = self.radius / slope.max(f64::MIN_POSITIVE.sqrt());
+            touch[1][k] = self.radius * slope;
+        }
+        touch
+    }
+
+    #[inline]
+    fn drop_on_triangle(&self, triangle: &Facet, at: DVec2, best: &mut Best) -> f64 {
         let slope = triangle.slope();
         let steep = slope.length();
         let tip = triangle.height_at_axis() + self.radius * steep;
@@ -40,7 +64,7 @@ impl Shape for Flat {
             let uphill = if steep > 0.0 { slope / steep } else { DVec2::ZERO };
             let place = uphill * self.radius;
             if triangle.holds(place) {
-                let (tip, point) = (triangle.tip(tip, place, 0.0), || triangle.point(at, place));
+                let (tip, point) = (triangle.tip(place, 0.0), || triangle.point(at, place));
                 best.raise(tip, ContactKind::Facet, triangle.place(), point);
             }
         }

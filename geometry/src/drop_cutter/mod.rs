@@ -10,17 +10,22 @@
 //! 2. The node touched at the neighbouring place gives a height that this place surely reaches.
 //! 3. Branch and bound ([`search`]): blocks that lie below the cutter even so are left out, four
 //!    tested at a time by quick [`gauge`]s.
-//! 4. What remains is tested exactly ([`probes`]), in closed form for balls and flats, by pieces for
-//!    any other profile. The shape is read off the profile's segments, never from a name.
+//! 4. What remains is tested exactly ([`around_node`]), in closed form for balls and flats, by pieces for
+//!    any other profile ([`general`], [`layer`], [`rising`]). The shape is read off the profile's
+//!    segments, never from a name.
 //!
 //! Either index serves one cutter and any number of patterns ([`DropCutter`], in [`prepared`]).
 //!
-//! Meshes and points that lie anywhere ([`on_mesh`]) go the same way: [`boxes`] take the place of the
-//! pyramid, and [`facet`] that of the probes, over the same closed forms.
+//! Meshes and points that lie anywhere ([`on_mesh`]) go the same way: [`boxes`] with tilted [`lids`] take
+//! the place of the pyramid, and [`facet`] that of the six triangles, over the same closed forms. Of the
+//! boxes the one likeliest to be touched is looked at first.
 //!
 //! # Limits
 //! * Exact to rounding: 1e-9 mm for balls and flats, 1e-6 mm and mostly far better for others.
 //! * A field has one height at each node: what has overhangs is a mesh.
+//! * Exact at the places of the pattern. Between two of them, e apart, a straight path runs below that of
+//!   the cutter by what the cutter's profile sags below its chord: for a ball e²/8R on level ground,
+//!   e²/(8R·cos³θ), nearly, on a slope of angle θ, and without bound at a wall.
 //! * Where a cutter lies on a great part of a surface that has its own shape (a ball in a bowl of
 //!   its radius), nothing can be left out and the time per location grows with the shadow.
 
@@ -28,18 +33,22 @@ mod around_node;
 mod ball;
 mod best;
 mod boxes;
+mod bulge;
 mod cell;
 mod edge;
 mod facet;
 mod flat;
 mod gauge;
 mod general;
+mod layer;
+mod lids;
 mod on_height_field;
 mod on_mesh;
 mod places;
 mod prepared;
 mod probes;
 mod pyramid;
+mod rising;
 mod search;
 mod shape;
 

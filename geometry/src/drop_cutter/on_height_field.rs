@@ -3,11 +3,12 @@
 use super::around_node::AroundNode;
 use super::ball::Ball;
 use super::best::{Best, Place};
+use super::bulge::BulgeGauge;
 use super::flat::Flat;
-use super::gauge::{BallGauge, BulgeGauge, FlatGauge, Gauge, Nearer, TableGauge};
+use super::gauge::{BallGauge, FlatGauge, Gauge, Nearer, TableGauge};
 use super::general::General;
 use super::places::{Ready, drop_at_places};
-use super::probes::{Peaks, Vertices};
+use super::probes::Vertices;
 use super::search::{Ground, Probe};
 use super::shape::{Shape, ShapeKind};
 use crate::{HeightField, Pattern, Profile, Tick, Toolpath};
@@ -59,7 +60,9 @@ pub(super) fn ready<'a>(
         ShapeKind::Ball => {
             let ball = Ball { radius };
             match BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) {
-                Some(gauge) => on(ground, AroundNode { ball, gauge, pitch }),
+                Some(gauge) => {
+                    on(ground, AroundNode { shape: ball, gauge, pitch, gauge_is_close: true })
+                }
                 None => with_shape(ground, ball, BallGauge, against),
             }
         }
@@ -83,7 +86,10 @@ fn with_shape<'a>(
         Against::Mesh => {
             let pitch = ground.pitch / shape.radius();
             let by = (pitch * (1.0 + 1e-6)) as f32;
-            on(ground, Peaks { shape, gauge: Nearer { by, gauge }, pitch })
+            on(
+                ground,
+                AroundNode { shape, gauge: Nearer { by, gauge }, pitch, gauge_is_close: false },
+            )
         }
     }
 }

@@ -5,8 +5,9 @@ use super::best::{Best, Place};
 use super::boxes::Boxes;
 use super::facet::drop_on_triangle;
 use super::flat::Flat;
-use super::gauge::{BallGauge, FlatGauge, Gauge, TableGauge};
+use super::gauge::{BallGauge, FlatGauge};
 use super::general::General;
+use super::lids::{LidGauge, TangentGauge};
 use super::places::{Ready, drop_at_places};
 use super::shape::{Shape, ShapeKind};
 use crate::{ContactKind, Mesh, Pattern, PointCloud, Profile, ProfileError, Tick, Toolpath};
@@ -65,19 +66,18 @@ pub fn drop_on_mesh(
 }
 
 /// A mesh with its index, for one cutter.
-pub(super) fn ready_mesh<'a>(
-    mesh: &'a Mesh,
+pub(super) fn ready_mesh(
+    mesh: &Mesh,
     profile: &Profile,
     tick: Tick,
-) -> Result<Box<dyn Ready + 'a>, DropError> {
+) -> Result<Box<dyn Ready>, DropError> {
     check_points(&mesh.vertices)?;
     check_triangles(mesh)?;
     let radius = profile.radius_mm();
     let built = Boxes::build(mesh.triangles.len(), |t| mesh.corners(t), radius, tick);
     let (boxes, order) = built.ok_or(DropError::Stopped)?;
-    // In the order of the index, so that what is looked at together lies together.
-    let triangles: Vec<_> = order.into_par_iter().map(|t| mesh.triangles[t as usize]).collect();
-    Ok(with_shape(boxes, Triangles { vertices: &mesh.vertices, triangles }, profile))
+    let triangles = order.into_par_iter().map(|t| mesh.triangles[t as usize]).collect();
+    Ok(with_shape(boxes, Triangles::in_order(&mesh.vertices, triangles), profile))
 }
 
 /// Lowers a cutter on points at each point of `pattern`: the vertex test alone. It is right where
@@ -137,12 +137,31 @@ trait Things: Sync + Send {
     fn drop(&self, shape: &impl Shape, item: usize, at: DVec2, best: &mut Best);
 }
 
-struct Triangles<'a> {
-    vertices: &'a [DVec3],
+/// In the order of the index, so that what is looked at together lies together.
+struct Triangles {
+    vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl Things for Triangles<'_> {
+impl Triangles {
+    /// Puts the vertices in the order in which the triangles name them.
+    fn in_order(vertices: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Self {
+        const NOT_YET: u32 = u32::MAX;
+        let mut places = vec![NOT_YET; vertices.len()];
+        let mut named = Vec::with_capacity(vertices.len());
+        for vertex in triangles.as_flattened_mut() {
+            let place = &mut places[*vertex as usize];
+            if *place == NOT_YET {
+                *place = named.len() as u32;
+                named.push(vertices[*vertex as usize]);
+            }
+            *vertex = *place;
+        }
+        Self { vertices: named, triangles }
+    }
+}
+
+impl Things for Triangles {
     #[inline]
     fn drop(&self, shape: &impl Shape, item: usize, at: DVec2, best: &mut Best) {
         let corners = self.triangles[item].map(|v| self.vertices[v as usize]);
@@ -161,11 +180,7 @@ impl Things for Points {
     }
 }
 
-fn with_shape<'a>(
-    boxes: Boxes,
-    surface: impl Things + 'a,
-    profile: &Profile,
-) -> Box<dyn Ready + 'a> {
+fn with_shape(boxes: Boxes, surface: impl Things + 'static, profile: &Profile) -> Box<dyn Ready> {
     let radius = profile.radius_mm();
     match ShapeKind::of(profile) {
         ShapeKind::Ball => {
@@ -176,7 +191,7 @@ fn with_shape<'a>(
         }
         ShapeKind::General => {
             let shape = General::new(profile);
-            let gauge = TableGauge::new(&shape, profile.height(radius));
+            let gauge = TangentGauge::new(&shape, profile.height(radius));
             Box::new(OnThings { boxes, surface, shape, gauge })
         }
     }
@@ -189,7 +204,7 @@ struct OnThings<S, H, G> {
     gauge: G,
 }
 
-impl<S: Things, H: Shape, G: Gauge> Ready for OnThings<S, H, G> {
+impl<S: Things, H: Shape, G: LidGauge> Ready for OnThings<S, H, G> {
     fn path(&self, pattern: &Pattern, floor_z_mm: f64, tick: Tick) -> Option<Toolpath> {
         drop_at_places(pattern, floor_z_mm, tick, |at, known, best| {
             if let Some(item) = self.first(at, known) {

@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// so the number is fixed, not a matter of threads; and few enough to be told to stop in time.
 const CHUNK: usize = 64;
 
+/// Side of a tile in places: the passes of a tile that lie a place apart share what they look at.
+const TILE: f64 = 64.0;
+
 /// A surface with its index, for one cutter.
 pub(super) trait Ready: Sync + Send {
     /// Lowers the cutter at each point of `pattern`. `None` if `tick` stopped the work.
@@ -29,8 +32,11 @@ pub(super) fn drop_at_places(
     let places = &pattern.points;
     let mut tips = vec![DVec3::ZERO; places.len()];
     let mut contacts = vec![Contact::NONE; places.len()];
-    let results = tips.par_chunks_mut(CHUNK).zip(contacts.par_chunks_mut(CHUNK));
-    places.par_chunks(CHUNK).zip(results).try_for_each(|(places, (tips, contacts))| {
+    let results = tips.chunks_mut(CHUNK).zip(contacts.chunks_mut(CHUNK));
+    let mut chunks: Vec<_> = places.chunks(CHUNK).zip(results).collect();
+    // Neighbours in plan one after the other, so that the index they need is still in the cache.
+    chunks.sort_by_cached_key(|(places, _)| tile_of(places));
+    chunks.into_par_iter().try_for_each(|(places, (tips, contacts))| {
         let mut known: Option<(DVec2, Place)> = None;
         for ((&at, tip), contact) in places.iter().zip(tips).zip(contacts) {
             let mut best = Best::NONE;
@@ -44,6 +50,16 @@ pub(super) fn drop_at_places(
     })?;
     let spans = pattern.spans.iter().map(span_of).collect();
     Some(Toolpath { tips, contacts, spans, feeds: None })
+}
+
+/// A square of the plan, as wide as a chunk is long, that holds the middle of the chunk: its row and
+/// column.
+fn tile_of(places: &[DVec2]) -> (i64, i64) {
+    let (from, to) = (places[0], places[places.len() - 1]);
+    let side = TILE * from.distance(places[1.min(places.len() - 1)]).max(f64::MIN_POSITIVE);
+    let tile = (from.midpoint(to) / side).floor();
+    // A cast cuts off what is beyond its range.
+    (tile.y as i64, tile.x as i64)
 }
 
 fn span_of(span: &PatternSpan) -> Span {

@@ -1,9 +1,10 @@
-//! What the drop cutter needs to know of a cutter's shape, and a shape of the inside of triangles.
+//! What the drop cutter needs to know of a cutter's shape.
 
 use super::best::{Best, Place};
 use super::edge::Edge;
+use super::facet::Facet;
 use crate::profile::{Profile, Segment};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// A cutter's shape, with its contacts in closed form or solved.
 ///
@@ -17,40 +18,38 @@ pub(super) trait Shape: Sync + Send {
     /// h at the squared distance `r2` from the axis, in mm; infinite beyond R.
     fn height(&self, r2: f64) -> f64;
 
-    /// A slope of h at the squared distance `r2`, between its slopes inward and outward, if h is
-    /// convex as a whole and the slope is finite.
-    fn slope(&self, r2: f64) -> Option<f64>;
+    /// A line (a, b), b ≥ 0, below h: h ≥ a + b·r at all distances within `wide` of `r`. Of a convex
+    /// shape it is the tangent at `r`; of any other, which has none, it is as steep as `slope` and as
+    /// high as can be.
+    fn support(&self, r: f64, wide: f64, slope: f64) -> (f64, f64);
+
+    /// A line (a, b) that no place of h is below, b ≥ 0 and finite, about as steep as h at `r`.
+    fn tangent_of_hull(&self, r: f64) -> (f64, f64);
+
+    /// h, and the tangent's slope / r, at the squared distance `r2`; `None` where h has no tangent that
+    /// lies below all of it.
+    fn tangent(&self, r2: f64) -> Option<(f64, f64)>;
+
+    /// How many layers [`Shape::touch_planes`] knows: a shape that is convex has one.
+    fn layers(&self) -> usize {
+        1
+    }
+
+    /// Where planes of the given squared slopes g² are touched, straight uphill: r / g, and what the tip
+    /// is raised by there, g·r − h. What is greatest over a plane is on one of the layers. NaN gives NaN.
+    fn touch_planes(&self, layer: usize, slope2: &[f64; 6]) -> [[f64; 6]; 2];
 
     /// Drops on the inside of a triangle. Returns the tip on the triangle's whole plane, in mm,
     /// which no contact with the triangle, its edges or vertices exceeds.
-    fn drop_on_triangle(&self, triangle: &impl Facet, at: DVec2, best: &mut Best) -> f64;
+    fn drop_on_triangle(&self, triangle: &Facet, at: DVec2, best: &mut Best) -> f64;
 
     /// Drops on the inside of an edge; `node` is one of its ends.
     fn drop_on_edge(&self, edge: &Edge, at: DVec2, node: Place, best: &mut Best);
 }
 
-/// A triangle that is a part of a plane with a slope. Places are told from the axis, in mm.
-pub(super) trait Facet {
-    /// Where the index has it.
-    fn place(&self) -> Place;
-
-    /// Slope of the plane.
-    fn slope(&self) -> DVec2;
-
-    /// Height of the plane at the axis, in mm. Where it cannot be told to the last digits it is
-    /// rounded up by enough that no tip on the plane that follows from it is too low.
-    fn height_at_axis(&self) -> f64;
-
-    /// Whether a place of the plane lies in the triangle; its border counts.
-    fn holds(&self, place: DVec2) -> bool;
-
-    /// The point of the plane at a place; `at` is the axis.
-    fn point(&self, at: DVec2, place: DVec2) -> DVec3;
-
-    /// The tip at which a cutter touches the triangle at a place it holds, where the cutter is `h`
-    /// above its tip. `on_plane` is what follows from the height at the axis.
-    fn tip(&self, on_plane: f64, place: DVec2, h: f64) -> f64;
-}
+/// Supports are not steeper than this: near the rim their rounding grows with the slope without bound.
+/// With this little it stays below 1e-13·R.
+pub(super) const STEEPEST_SUPPORT: f64 = 16.0;
 
 /// Shapes with kernels of their own.
 pub(super) enum ShapeKind {

@@ -1,12 +1,12 @@
 //! Meshes and points against the slow truth and closed forms.
 
-use super::fields::cutters;
+use super::fields::{cutters, field};
 use super::meshes::{SOUPS, binary_stl, igea, mesh, places, sheet, soup};
 use super::oracle;
 use super::{FLOOR, GO, one_pass};
 use carvegraph_geometry::{
-    Bounds, ContactKind, DVec2, DVec3, DropError, Mesh, PointCloud, Profile, Raster, RasterStyle,
-    Toolpath, drop_on_mesh, drop_on_points,
+    Against, Bounds, ContactKind, DVec2, DVec3, DropCutter, DropError, Mesh, PointCloud, Profile,
+    Raster, RasterStyle, Surface, Toolpath, drop_on_mesh, drop_on_points,
 };
 use fastrand::Rng;
 use std::sync::Arc;
@@ -131,6 +131,43 @@ fn real_meshes_equal_the_oracle() {
         let places = places(&mut random, &mesh, 60);
         for (cutter, profile) in cutters(3.0).into_iter().chain(cutters(0.4)) {
             compare(&mesh, name, (cutter, &profile), &places);
+        }
+    }
+}
+
+#[test]
+fn a_field_has_the_heights_of_its_mesh() {
+    // Two indexes and two ways to leave out what cannot be touched: what one loses, the other shows.
+    let mut random = Rng::with_seed(17);
+    for (pitch, height) in [(0.3, 0.4), (0.3, 3.0), (1.1, 2.0)] {
+        let side = 70;
+        let noise: Vec<f64> = (0..side * side).map(|_| random.f64()).collect();
+        let rough = field(side, side, pitch, |i, j| {
+            let (x, y) = (i as f64 * 0.2, j as f64 * 0.17);
+            height * (x.sin() * y.cos() + 0.2 * noise[j * side + i] + f64::from(u8::from(x > 6.0)))
+        });
+        let mesh = sheet(side as u32, side as u32, pitch, |x, y| {
+            rough.height((x / pitch).round() as usize, (y / pitch).round() as usize)
+        });
+        let raster = Raster {
+            stepover_mm: rough.bounds().size().x / 60.0,
+            feed_step_mm: 0.07,
+            direction_rad: 0.1,
+            style: RasterStyle::Zigzag,
+        };
+        let pattern = raster.pattern(&rough.bounds());
+        for (cutter, profile) in cutters(2.0) {
+            let path = |surface| {
+                DropCutter::new(surface, &profile, 0.0, GO).unwrap().path(&pattern, FLOOR, GO)
+            };
+            let on_field = path(Surface::Field(&rough, Against::Mesh)).unwrap();
+            let on_mesh = path(Surface::Mesh(&mesh)).unwrap();
+            for (a, b) in on_field.tips.iter().zip(&on_mesh.tips) {
+                assert!(
+                    (a.z - b.z).abs() < 1e-10,
+                    "{cutter} pitch {pitch} height {height}: {a} {b}"
+                );
+            }
         }
     }
 }

@@ -25,11 +25,11 @@ const RADIUS_MM: f64 = 3.0;
 
 /// A cache that finds nothing and keeps what passes by: a look at the values of a run.
 #[derive(Default)]
-struct Seen(Mutex<BTreeMap<String, Vec<Value>>>);
+pub(crate) struct Seen(Mutex<BTreeMap<String, Vec<Value>>>);
 
 impl Seen {
     /// A value that the nodes of a kind made.
-    fn of<T: Send + Sync + 'static>(&self, kind: &str) -> Arc<T> {
+    pub(crate) fn of<T: Send + Sync + 'static>(&self, kind: &str) -> Arc<T> {
         let seen = self.0.lock().unwrap();
         seen[kind].iter().find_map(|value| Arc::clone(value).downcast().ok()).unwrap()
     }
@@ -57,11 +57,16 @@ impl Cache for Seen {
     fn remember_run(&self, _: &str, _: &BTreeMap<String, Parts>) {}
 }
 
-/// Runs the recipe `relief` as the command does and looks at what passes between its nodes.
-fn values_of(bench: &Bench, settings: &[(&str, &str)]) -> Seen {
+/// Runs a recipe up to a node as the command does and looks at what passes between its nodes.
+pub(crate) fn values_of(
+    bench: &Bench,
+    recipe: &str,
+    settings: &[(&str, &str)],
+    only: &str,
+) -> Seen {
     let registry = registry(standard_offers()).unwrap();
     let origin = Origin::Folder(bench.path(""));
-    let recipe = LIBRARY.open("relief", &origin).unwrap();
+    let recipe = LIBRARY.open(recipe, &origin).unwrap();
     let setting = |(name, value): &(&str, &str)| Setting {
         name: (*name).to_owned(),
         value: (*value).to_owned(),
@@ -71,7 +76,7 @@ fn values_of(bench: &Bench, settings: &[(&str, &str)]) -> Seen {
     let graph = Graph::build(&recipe, &settings, &registry, &LIBRARY).unwrap();
     let seen = Seen::default();
     let out = bench.path("out");
-    let only = ["drop".to_owned()];
+    let only = [only.to_owned()];
     let plan = Plan::new(&graph, &only, &out, Some(&seen), &CancelToken::default()).unwrap();
     let session = Session::new(&out);
     let report = run(&plan, &session, RunOptions { threads: 2, cache: Some(&seen), observer: &() });
@@ -80,7 +85,7 @@ fn values_of(bench: &Bench, settings: &[(&str, &str)]) -> Seen {
 }
 
 /// Picks `count` of the tips of a path, the same ones each time, with no pattern to them.
-fn sample(path: &Toolpath, count: usize) -> impl Iterator<Item = DVec3> + '_ {
+pub(crate) fn sample(path: &Toolpath, count: usize) -> impl Iterator<Item = DVec3> + '_ {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     (0..count).map(move |_| {
         // Xorshift64 (Marsaglia, *Xorshift RNGs*, 2003).
@@ -202,7 +207,7 @@ fn assert_exact(
 ) {
     let bench = Bench::new();
     bench.hills("hills.png", size);
-    let seen = values_of(&bench, &[&[("image", "hills.png")], settings].concat());
+    let seen = values_of(&bench, "relief", &[&[("image", "hills.png")], settings].concat(), "drop");
     let field: Arc<HeightField> = seen.of("z_map");
     let path: Arc<Toolpath> = seen.of("drop_cutter");
     for tip in sample(&path, count) {

@@ -18,6 +18,7 @@ mod machines;
 mod plugins;
 mod program;
 mod real_pictures;
+mod real_surfaces;
 mod recipes;
 mod refusals;
 mod relief;
