@@ -99,6 +99,15 @@ impl Toolpath {
         self.spans.iter().filter(|s| s.kind == SpanKind::Pass).count()
     }
 
+    /// Raises the tips that are below a height; they touch nothing there.
+    pub fn raise(&mut self, floor_z_mm: f64) {
+        for (tip, contact) in self.tips.iter_mut().zip(&mut self.contacts) {
+            if tip.z < floor_z_mm {
+                (tip.z, *contact) = (floor_z_mm, Contact::NONE);
+            }
+        }
+    }
+
     /// Length in mm of all moves made with the kinds of span for which `wanted` says yes.
     #[must_use]
     pub fn length_mm(&self, wanted: impl Fn(SpanKind) -> bool) -> f64 {

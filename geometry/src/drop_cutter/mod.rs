@@ -25,13 +25,15 @@
 //! * A field has one height at each node: what has overhangs is a mesh.
 //! * Exact at the places of the pattern. Between two of them, e apart, a straight path runs below that of
 //!   the cutter by what the cutter's profile sags below its chord: for a ball e²/8R on level ground,
-//!   e²/(8R·cos³θ), nearly, on a slope of angle θ, and without bound at a wall.
+//!   e²/(8R·cos³θ), nearly, on a slope of angle θ, and without bound at a wall. [`DropCutter::bend`] puts
+//!   places in until it is less than a tolerance.
 //! * Where a cutter lies on a great part of a surface that has its own shape (a ball in a bowl of
 //!   its radius), nothing can be left out and the time per location grows with the shadow.
 
 mod around_node;
 mod ball;
 mod best;
+mod between;
 mod boxes;
 mod bulge;
 mod cell;

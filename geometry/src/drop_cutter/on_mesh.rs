@@ -38,6 +38,9 @@ pub enum DropError {
     /// More than the index can count.
     #[error("{0} triangles or points are more than the {max} that can be indexed", max = u32::MAX)]
     TooMany(usize),
+    /// A path that follows all bends of the surface would be too long.
+    #[error("more than {0} points would be needed where the path bends")]
+    TooManyBends(usize),
     /// An allowance that is not one.
     #[error(transparent)]
     BadAllowance(#[from] ProfileError),

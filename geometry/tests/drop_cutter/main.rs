@@ -2,6 +2,7 @@
 
 #![allow(unreachable_pub, clippy::unwrap_used)]
 
+mod between;
 mod fields;
 mod meshes;
 mod on_mesh;

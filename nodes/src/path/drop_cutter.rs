@@ -7,7 +7,7 @@
 //! (section 4.2). The heights are exact for every cutter, see
 //! [`geometry::DropCutter`].
 
-use super::dropping::dropped;
+use super::dropping::{Limits, dropped};
 use crate::values::Remark;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{self as geometry, Against, Cutter, HeightField, Pattern, Toolpath};
@@ -28,6 +28,10 @@ pub(crate) struct DropCutter {
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
+    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
+    /// 0 puts in none, as the source does.
+    #[param(unit = "mm", default = 0.0, range = 0.0..=10.0)]
+    pub(crate) chord_tolerance: f64,
 }
 
 /// What a cutter is dropped on.
@@ -69,7 +73,12 @@ impl Node for DropCutter {
         let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.radius_mm());
         cx.note(&text);
         let surface = geometry::Surface::Field(surface, against);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
+        let limits = Limits {
+            allowance_mm: self.allowance,
+            floor: &self.floor,
+            chord_tolerance_mm: self.chord_tolerance,
+        };
+        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
         Ok(Dropped { toolpath, choice: Remark { text } })
     }
 }
@@ -107,8 +116,12 @@ mod tests {
 
     #[test]
     fn auto_follows_the_fifth_of_the_radius() {
-        let auto =
-            DropCutter { against: Surface::Auto, floor: Yielding::left(0.0), allowance: 0.0 };
+        let auto = DropCutter {
+            against: Surface::Auto,
+            floor: Yielding::left(0.0),
+            allowance: 0.0,
+            chord_tolerance: 0.0,
+        };
         assert_eq!(auto.choose(0.6, 3.0).0, Against::Points);
         assert_eq!(auto.choose(0.6000001, 3.0).0, Against::Mesh);
         assert!(
@@ -118,11 +131,19 @@ mod tests {
 
     #[test]
     fn a_set_surface_is_taken_as_it_is() {
-        let points =
-            DropCutter { against: Surface::Points, floor: Yielding::left(0.0), allowance: 0.0 };
+        let points = DropCutter {
+            against: Surface::Points,
+            floor: Yielding::left(0.0),
+            allowance: 0.0,
+            chord_tolerance: 0.0,
+        };
         assert_eq!(points.choose(5.0, 3.0).0, Against::Points);
-        let mesh =
-            DropCutter { against: Surface::Mesh, floor: Yielding::left(0.0), allowance: 0.0 };
+        let mesh = DropCutter {
+            against: Surface::Mesh,
+            floor: Yielding::left(0.0),
+            allowance: 0.0,
+            chord_tolerance: 0.0,
+        };
         assert_eq!(mesh.choose(0.01, 3.0).0, Against::Mesh);
     }
 }

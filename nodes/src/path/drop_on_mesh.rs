@@ -6,7 +6,7 @@
 //! [`carvegraph_geometry::DropCutter`]. For a surface with one height above each node of a grid,
 //! `drop_cutter` does the same without triangles.
 
-use super::dropping::dropped;
+use super::dropping::{Limits, dropped};
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Cutter, Mesh, Pattern, Surface, Toolpath};
 
@@ -20,6 +20,10 @@ pub(crate) struct DropOnMesh {
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
+    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
+    /// 0 puts in none.
+    #[param(unit = "mm", default = 0.01, range = 0.0..=10.0)]
+    pub(crate) chord_tolerance: f64,
 }
 
 #[derive(Inputs)]
@@ -46,7 +50,12 @@ impl Node for DropOnMesh {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { mesh, cutter, pattern } = inputs;
         let surface = Surface::Mesh(mesh);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
+        let limits = Limits {
+            allowance_mm: self.allowance,
+            floor: &self.floor,
+            chord_tolerance_mm: self.chord_tolerance,
+        };
+        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -65,7 +74,8 @@ mod tests {
         let points = vec![DVec2::splat(3.0), DVec2::splat(30.0)];
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points, spans };
-        let node = DropOnMesh { floor: Yielding::given(-5.0), allowance: 0.0 };
+        let node =
+            DropOnMesh { floor: Yielding::given(-5.0), allowance: 0.0, chord_tolerance: 0.0 };
         run(|cx| node.run(Dropping { mesh: &mesh, cutter: &cutter, pattern: &pattern }, cx))
     }
 

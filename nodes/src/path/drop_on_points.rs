@@ -5,7 +5,7 @@
 //! (Sood 2015, section 4.2). Elsewhere the cutter sinks between them. The heights are exact for every
 //! cutter, see [`carvegraph_geometry::DropCutter`].
 
-use super::dropping::dropped;
+use super::dropping::{Limits, dropped};
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Cutter, Pattern, PointCloud, Surface, Toolpath};
 
@@ -19,6 +19,10 @@ pub(crate) struct DropOnPoints {
     /// What is left on the surface: no point of the cutter comes closer.
     #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
     pub(crate) allowance: f64,
+    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
+    /// 0 puts in none.
+    #[param(unit = "mm", default = 0.01, range = 0.0..=10.0)]
+    pub(crate) chord_tolerance: f64,
 }
 
 #[derive(Inputs)]
@@ -45,7 +49,12 @@ impl Node for DropOnPoints {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { points, cutter, pattern } = inputs;
         let surface = Surface::Points(points);
-        let toolpath = dropped(surface, cutter, pattern, (self.allowance, &self.floor), cx)?;
+        let limits = Limits {
+            allowance_mm: self.allowance,
+            floor: &self.floor,
+            chord_tolerance_mm: self.chord_tolerance,
+        };
+        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -66,10 +75,12 @@ mod tests {
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points: vec![DVec2::ZERO, DVec2::splat(9.0)], spans };
         let inputs = Dropping { points: &points, cutter: &cutter, pattern: &pattern };
-        let path =
-            run(|cx| DropOnPoints { floor: Yielding::given(-1.0), allowance: 0.0 }.run(inputs, cx))
-                .unwrap()
-                .toolpath;
+        let path = run(|cx| {
+            DropOnPoints { floor: Yielding::given(-1.0), allowance: 0.0, chord_tolerance: 0.0 }
+                .run(inputs, cx)
+        })
+        .unwrap()
+        .toolpath;
         assert_eq!((path.tips[0].z, path.tips[1].z), (3.0, -1.0));
         let touched = Contact { point: points.points[1], kind: ContactKind::Vertex };
         assert_eq!(path.contacts, [touched, Contact::NONE]);

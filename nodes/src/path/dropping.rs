@@ -1,13 +1,21 @@
 //! What the nodes that drop a cutter share.
 
+use super::pattern::MAX_POINTS;
 use carvegraph_core::{Context, NodeError, Yielding};
-use carvegraph_geometry::{
-    Contact, ContactKind, Cutter, DropCutter, DropError, Pattern, Surface, Toolpath,
-};
+use carvegraph_geometry::{ContactKind, Cutter, DropCutter, DropError, Pattern, Surface, Toolpath};
 
-/// Lowers the cutter at every point of a pattern, but leaves an allowance and stays above the floor; if
-/// this is not set it is the lowest place of the surface. Tells at how many points nothing is under the
-/// cutter.
+/// Where the tip of a dropped cutter may be.
+pub(super) struct Limits<'a> {
+    /// What is left on the surface, in mm.
+    pub(super) allowance_mm: f64,
+    /// The lowest height of the tip, in mm; the surface's own if it is not set.
+    pub(super) floor: &'a Yielding<f64>,
+    /// How far a move may be off between two points, in mm; 0 adds no points.
+    pub(super) chord_tolerance_mm: f64,
+}
+
+/// Lowers the cutter at every point of a pattern, and between them where the path bends. Tells at how
+/// many points of the pattern nothing is under the cutter.
 ///
 /// Beside the rim of a part the cutter touches it sideways, with its tip up to its radius below: without
 /// the floor it would cut into what the part lies on.
@@ -15,10 +23,12 @@ pub(super) fn dropped(
     surface: Surface<'_>,
     cutter: &Cutter,
     pattern: &Pattern,
-    (allowance_mm, floor): (f64, &Yielding<f64>),
+    limits: Limits<'_>,
     cx: &Context<'_>,
 ) -> Result<Toolpath, NodeError> {
-    let ticker = cx.ticker(pattern.points.len());
+    let Limits { allowance_mm, floor, chord_tolerance_mm } = limits;
+    let bends = chord_tolerance_mm > 0.0;
+    let ticker = cx.ticker(pattern.points.len() * if bends { 2 } else { 1 });
     let tick = |count| ticker.tick(count);
     let ready = DropCutter::new(surface, &cutter.profile, allowance_mm, &tick).map_err(fault)?;
     let floor_mm = floor.or(surface.bounds().map(|bounds| bounds.min.z));
@@ -27,18 +37,21 @@ pub(super) fn dropped(
     if missed > 0 {
         cx.warn(format!("at {missed} points nothing is under the cutter: floor, {floor_mm} mm"));
     }
-    for (tip, contact) in path.tips.iter_mut().zip(&mut path.contacts) {
-        if tip.z < floor_mm {
-            (tip.z, *contact) = (floor_mm, Contact::NONE);
-        }
+    path.raise(floor_mm);
+    if !bends {
+        return Ok(path);
     }
-    Ok(path)
+    let most = MAX_POINTS as usize;
+    let bent = ready.bend(&path, floor_mm, chord_tolerance_mm, most, &tick).map_err(fault)?;
+    cx.note(format!("{} points put in where the path bends", bent.tips.len() - path.tips.len()));
+    Ok(bent)
 }
 
 /// What a node says when the cutter cannot be dropped.
 fn fault(fault: DropError) -> NodeError {
     match fault {
         DropError::Stopped => NodeError::Cancelled,
+        DropError::TooManyBends(_) => NodeError::refused("chord_tolerance", fault.to_string()),
         fault => NodeError::failed(fault),
     }
 }
@@ -57,9 +70,10 @@ mod tests {
         let pattern = Pattern { points: vec![DVec2::splat(2.0), DVec2::splat(9.0)], spans };
         let surface = Surface::Field(&field, Against::Mesh);
         let floor = Yielding::given(-1.0);
-        let path = run(|cx| dropped(surface, &cutter, &pattern, (0.25, &floor), cx)).unwrap();
+        let limits = |allowance_mm| Limits { allowance_mm, floor: &floor, chord_tolerance_mm: 0.0 };
+        let path = run(|cx| dropped(surface, &cutter, &pattern, limits(0.25), cx)).unwrap();
         assert_eq!((path.tips[0].z, path.tips[1].z), (2.25, -1.0));
-        let bad = run(|cx| dropped(surface, &cutter, &pattern, (-1.0, &floor), cx)).unwrap_err();
+        let bad = run(|cx| dropped(surface, &cutter, &pattern, limits(-1.0), cx)).unwrap_err();
         assert!(
             bad.to_string().contains("allowance must be a positive length, not -1 mm"),
             "{bad}"
@@ -74,7 +88,8 @@ mod tests {
         let pattern = Pattern { points: vec![DVec2::new(0.5, 0.5), DVec2::new(3.9, 0.5)], spans };
         let surface = Surface::Field(&field, Against::Mesh);
         let tips = |floor| {
-            let path = run(|cx| dropped(surface, &cutter, &pattern, (0.0, &floor), cx)).unwrap();
+            let limits = Limits { allowance_mm: 0.0, floor: &floor, chord_tolerance_mm: 0.0 };
+            let path = run(|cx| dropped(surface, &cutter, &pattern, limits, cx)).unwrap();
             [path.tips[0].z, path.tips[1].z]
         };
         assert_eq!(tips(Yielding::left(0.0)), [2.0, 2.0]);
