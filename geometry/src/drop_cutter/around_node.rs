@@ -50,8 +50,6 @@ pub(super) struct AroundNode<S, G> {
     pub(super) gauge: G,
     /// Pitch / R.
     pub(super) pitch: f64,
-    /// Whether a node touched alone leaves few others to look at.
-    pub(super) gauge_is_close: bool,
 }
 
 impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
@@ -67,6 +65,9 @@ impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
 
     #[inline]
     fn visit(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
+        if best.done.has((i, j)) {
+            return;
+        }
         let place = DVec2::new(i as f64, j as f64) * ground.pitch;
         let (out, z) = (place - at, ground.height(i, j));
         let around = heights_around(ground, i, j);
@@ -78,7 +79,8 @@ impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
             drop_on_node(&self.shape, ground, at, i, j, best);
             self.above_support(ground, out, z, &around, best.tip)
         };
-        falls = not_done(falls, i, j, best);
+        // All that can be touched where the clearance falls along an edge has both of its ends for corners.
+        falls &= !best.done.ends_around((i, j));
         if falls == 0 {
             return;
         }
@@ -89,7 +91,7 @@ impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
         let above = if z > base { ALL_EDGES } else { above };
         if triangles_at(falls) & triangles_at(above) != 0 {
             falls &= above;
-            best.mark_done((i, j));
+            best.done.mark((i, j));
             let node = Node {
                 ij: (i, j),
                 at,
@@ -105,10 +107,13 @@ impl<S: Shape, G: Gauge> Probe for AroundNode<S, G> {
 
     #[inline]
     fn glance(&self, ground: &Ground, at: DVec2, i: usize, j: usize, best: &mut Best) {
-        if self.gauge_is_close {
-            return drop_on_node(&self.shape, ground, at, i, j, best);
+        let node = DVec2::new(i as f64, j as f64) * ground.pitch;
+        if (node - at).length_squared() <= self.shape.radius() * self.shape.radius() {
+            drop_on_node(&self.shape, ground, at, i, j, best);
+        } else {
+            // Itself it is not under the cutter, but what is around it may be.
+            self.visit(ground, at, i, j, best);
         }
-        self.visit(ground, at, i, j, best);
     }
 }
 
@@ -139,22 +144,6 @@ impl<S: Shape, G> AroundNode<S, G> {
 #[inline]
 fn triangles_at(edges: u32) -> u32 {
     (edges | edges >> 1 | edges << 5) & ALL_EDGES
-}
-
-/// The edges in `falls` but those to nodes around which all was tested already: all that can be
-/// touched where the clearance falls along an edge has both of its ends for corners.
-#[inline]
-fn not_done(falls: u32, i: usize, j: usize, best: &Best) -> u32 {
-    let (mut left, mut edges) = (falls, falls);
-    while edges != 0 {
-        let k = edges.trailing_zeros() as usize;
-        edges &= edges - 1;
-        let (di, dj) = AROUND[k];
-        // Beyond the border the number wraps and is no node's.
-        let end = (i.wrapping_add_signed(di), j.wrapping_add_signed(dj));
-        left &= !(u32::from(best.is_done(end)) << k);
-    }
-    left
 }
 
 /// Contacts with the planes of the triangles around a node; NaN beyond the border.

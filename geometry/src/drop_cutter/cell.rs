@@ -16,6 +16,7 @@
 
 use super::search::Ground;
 use glam::DVec2;
+use wide::f64x2;
 
 /// Edges around a node: columns and rows to the other end.
 pub(super) const AROUND: [(isize, isize); 6] = [(1, 0), (1, 1), (0, 1), (-1, 0), (-1, -1), (0, -1)];
@@ -43,12 +44,11 @@ pub(super) fn heights_around(ground: &Ground, i: usize, j: usize) -> [f64; 6] {
 /// `climb` over a pitch along x and y.
 #[inline]
 pub(super) fn ends_above(around: &[f64; 6], base: f64, climb: DVec2) -> u32 {
-    let (x, y, xy) = (climb.x, climb.y, climb.x + climb.y);
-    // NaN, beyond the border, does not.
-    u32::from(base + x < around[0])
-        | u32::from(base + xy < around[1]) << 1
-        | u32::from(base + y < around[2]) << 2
-        | u32::from(base - x < around[3]) << 3
-        | u32::from(base - xy < around[4]) << 4
-        | u32::from(base - y < around[5]) << 5
+    let above = |k: usize, first: f64, second: f64| {
+        let plane = f64x2::splat(base) + f64x2::from([first, second]);
+        // NaN, beyond the border, is not.
+        plane.simd_lt(f64x2::from([around[k], around[k + 1]])).to_bitmask() << k
+    };
+    let xy = climb.x + climb.y;
+    above(0, climb.x, xy) | above(2, climb.y, -climb.x) | above(4, -xy, -climb.y)
 }

@@ -15,14 +15,14 @@ pub(super) trait Gauge: Sync + Send {
 
 /// What a gauge says when blocks count as nearer along each axis by this much, / R.
 pub(super) struct Nearer<G> {
-    pub(super) by: f32,
+    pub(super) by: f32x4,
     pub(super) gauge: G,
 }
 
 impl<G: Gauge> Gauge for Nearer<G> {
     #[inline]
     fn may_touch(&self, x: f32x4, y: f32x4, rise: f32x4) -> u32 {
-        let nearer = |d: f32x4| (d - f32x4::splat(self.by)).fast_max(f32x4::ZERO);
+        let nearer = |d: f32x4| (d - self.by).fast_max(f32x4::ZERO);
         self.gauge.may_touch(nearer(x), nearer(y), rise)
     }
 }

@@ -7,9 +7,10 @@
 //!
 //! # Method
 //! 1. A pyramid of greatest heights over the field ([`pyramid`]), built once.
-//! 2. The node touched at the neighbouring place gives a height that this place surely reaches.
+//! 2. The node touched at the neighbouring place, or the one as far along, and all around it give a height
+//!    that this place surely reaches.
 //! 3. Branch and bound ([`search`]): blocks that lie below the cutter even so are left out, four
-//!    tested at a time by quick [`gauge`]s.
+//!    tested at a time by quick [`gauge`]s. Against a mesh it matters what may [`bulge`] between nodes.
 //! 4. What remains is tested exactly ([`around_node`]), in closed form for balls and flats, by pieces for
 //!    any other profile ([`general`], [`layer`], [`rising`]). The shape is read off the profile's
 //!    segments, never from a name.

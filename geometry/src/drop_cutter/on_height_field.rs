@@ -3,7 +3,7 @@
 use super::around_node::AroundNode;
 use super::ball::Ball;
 use super::best::{Best, Place};
-use super::bulge::BulgeGauge;
+use super::bulge::Bulge;
 use super::flat::Flat;
 use super::gauge::{BallGauge, FlatGauge, Gauge, Nearer, TableGauge};
 use super::general::General;
@@ -14,6 +14,7 @@ use super::shape::{Shape, ShapeKind};
 use crate::{HeightField, Pattern, Profile, Tick, Toolpath};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
+use wide::f32x4;
 
 /// What of a height field a cutter is dropped on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,16 +53,19 @@ pub(super) fn ready<'a>(
     profile: &Profile,
     tick: Tick,
 ) -> Option<Box<dyn Ready + 'a>> {
-    let radius = profile.radius_mm();
-    let ground = Ground::new(field, radius, tick)?;
-    // Pitch / R.
-    let pitch = ground.pitch / radius;
-    Some(match ShapeKind::of(profile) {
+    let (radius, kind) = (profile.radius_mm(), ShapeKind::of(profile));
+    let bulge = match kind {
+        ShapeKind::Ball if against == Against::Mesh => Bulge::new(radius, field.pitch_mm()),
+        _ => None,
+    };
+    let ground = Ground::new(field, radius, bulge.as_ref(), tick)?;
+    Some(match kind {
         ShapeKind::Ball => {
             let ball = Ball { radius };
-            match BulgeGauge::new(pitch).filter(|_| against == Against::Mesh) {
-                Some(gauge) => {
-                    on(ground, AroundNode { shape: ball, gauge, pitch, gauge_is_close: true })
+            match bulge {
+                Some(bulge) => {
+                    let pitch = ground.pitch / radius;
+                    on(ground, AroundNode { shape: ball, gauge: bulge.gauge(), pitch })
                 }
                 None => with_shape(ground, ball, BallGauge, against),
             }
@@ -85,11 +89,8 @@ fn with_shape<'a>(
         Against::Points => on(ground, Vertices { shape, gauge }),
         Against::Mesh => {
             let pitch = ground.pitch / shape.radius();
-            let by = (pitch * (1.0 + 1e-6)) as f32;
-            on(
-                ground,
-                AroundNode { shape, gauge: Nearer { by, gauge }, pitch, gauge_is_close: false },
-            )
+            let by = f32x4::splat((pitch * (1.0 + 1e-6)) as f32);
+            on(ground, AroundNode { shape, gauge: Nearer { by, gauge }, pitch })
         }
     }
 }
@@ -113,14 +114,14 @@ impl<P: Probe + Sync + Send> Ready for OnField<'_, P> {
 }
 
 impl<P: Probe> OnField<'_, P> {
-    /// Visits nodes that are likely near the contact: the one at the place before, the one as far
-    /// along as the cutter has moved since; or else the one under the axis.
+    /// Visits a node that is likely near the contact: that at the place before or the one as far along as
+    /// the cutter has moved since, whichever is touched at the higher tip; or else the one under the axis.
     #[inline]
     fn start(&self, at: DVec2, known: Option<(DVec2, Place)>, best: &mut Best) {
         let Self { ground, probe } = self;
         let Some((before, (i, j))) = known else {
             let (i, j) = ground.nearest(at);
-            return probe.glance(ground, at, i, j, best);
+            return probe.visit(ground, at, i, j, best);
         };
         probe.glance(ground, at, i, j, best);
         let moved = DVec2::new(i as f64, j as f64) * ground.pitch + (at - before);
@@ -128,5 +129,7 @@ impl<P: Probe> OnField<'_, P> {
         if (next_i, next_j) != (i, j) {
             probe.glance(ground, at, next_i, next_j, best);
         }
+        let (i, j) = best.node;
+        probe.visit(ground, at, i, j, best);
     }
 }

@@ -30,6 +30,15 @@ impl Level {
         }
     }
 
+    /// Raises blocks by so many mm each, row by row.
+    fn raise(&mut self, by: &[f32]) {
+        for (row, by) in self.max.chunks_mut(self.stride).zip(by.chunks(self.columns)) {
+            for (most, by) in row.iter_mut().zip(by) {
+                *most = ((f64::from(*most) + f64::from(*by)) as f32).next_up();
+            }
+        }
+    }
+
     /// The level above some rows of heights. `None` if cancelled.
     fn above(heights: &[f32], stride: usize, columns: usize, tick: Tick) -> Option<Self> {
         let blocks = columns.div_ceil(FACTOR);
@@ -64,7 +73,7 @@ fn max_of_rows(band: &[f32], stride: usize, columns: usize, greatest: &mut Vec<f
 
 /// `f32::max` for numbers that are none of them NaN: one instruction.
 #[inline]
-fn greater(a: f32, b: f32) -> f32 {
+pub(super) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
@@ -74,10 +83,12 @@ pub(super) struct Pyramid {
 }
 
 impl Pyramid {
-    /// Builds the levels from 1 to the one that has a single block. `None` if cancelled.
-    pub(super) fn build(field: &HeightField, tick: Tick) -> Option<Self> {
-        let mut levels =
-            vec![Level::above(field.heights(), field.columns(), field.columns(), tick)?];
+    /// Builds the levels from 1 to the one that has a single block, with the blocks of level 1 raised by
+    /// so many mm, if any are given. `None` if cancelled.
+    pub(super) fn build(field: &HeightField, raise: &[f32], tick: Tick) -> Option<Self> {
+        let mut first = Level::above(field.heights(), field.columns(), field.columns(), tick)?;
+        first.raise(raise);
+        let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|l| l.columns * l.rows > 1) {
             levels.push(Level::above(&last.max, last.stride, last.columns, tick)?);
         }
@@ -106,7 +117,7 @@ mod tests {
         for (columns, rows) in [(2, 2), (4, 4), (5, 9), (17, 66), (130, 3)] {
             let heights: Vec<f32> = (0..columns * rows).map(|_| random.f32() - 2.0).collect();
             let field = HeightField::new(columns, rows, 1.0, heights).unwrap();
-            let pyramid = Pyramid::build(&field, &|_| true).unwrap();
+            let pyramid = Pyramid::build(&field, &[], &|_| true).unwrap();
             for l in 1..=pyramid.top() {
                 let (level, side) = (pyramid.level(l), FACTOR.pow(l as u32));
                 assert_eq!(level.columns, columns.div_ceil(side));
@@ -132,6 +143,6 @@ mod tests {
     #[test]
     fn building_can_be_stopped() {
         let field = HeightField::new(64, 64, 1.0, vec![0.0; 64 * 64]).unwrap();
-        assert!(Pyramid::build(&field, &|_| false).is_none());
+        assert!(Pyramid::build(&field, &[], &|_| false).is_none());
     }
 }

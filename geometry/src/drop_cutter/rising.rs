@@ -109,13 +109,13 @@ impl Rising {
         mut each: impl FnMut(f64, f64),
     ) {
         let ([from, to], [r_from, r_to]) = (self.s, self.r);
+        let Some(inner) = pieces.first() else { return };
         // At a corner the outer piece.
-        let at_end = pieces.len() > 1 && pieces[0].r1 <= r_from;
-        let pieces = if at_end { &pieces[1..] } else { pieces };
-        let Some(first) = pieces.first() else { return };
-        let mut rises = self.rises_on(first, from, r_from);
+        let at_end = pieces.len() > 1 && inner.r1 <= r_from;
+        let pieces = &pieces[usize::from(at_end)..];
+        let mut rises = self.rises_on(&pieces[0], from, r_from);
         if !rises && from == 0.0 {
-            each(0.0, first.height(r_from));
+            each(0.0, pieces[0].height(r_from));
         }
         for (k, piece) in pieces.iter().enumerate() {
             if convex && !rises {

@@ -9,9 +9,10 @@
 //! |---|---|
 //! | q | pitch / R |
 //! | d² | squared distance in plan between the axis and the nearest node of a block, / R² |
-//! | rise | greatest height of the block − height of the tip, / R |
+//! | rise | greatest height of the block, raised by its [`Bulge`] if it has one, − height of the tip, / R |
 
 use super::best::Best;
+use super::bulge::Bulge;
 use super::pyramid::{FACTOR, Pyramid};
 use crate::{HeightField, Tick};
 use glam::DVec2;
@@ -53,6 +54,8 @@ pub(super) struct Ground<'a> {
     /// 1 / pitch.
     pub(super) per_pitch: f64,
     pyramid: Pyramid,
+    /// What the nodes of each block of level 1 are raised by, in mm; empty if they are not.
+    bulges: Vec<f32>,
     radius: f64,
     /// 1 / R, raised.
     per_radius: f32,
@@ -62,9 +65,15 @@ pub(super) struct Ground<'a> {
 }
 
 impl<'a> Ground<'a> {
-    /// Builds the index. `None` if cancelled.
-    pub(super) fn new(field: &'a HeightField, radius: f64, tick: Tick) -> Option<Self> {
-        let pyramid = Pyramid::build(field, tick)?;
+    /// Builds the index, with nodes raised by their bulges if these are asked for. `None` if cancelled.
+    pub(super) fn new(
+        field: &'a HeightField,
+        radius: f64,
+        bulge: Option<&Bulge>,
+        tick: Tick,
+    ) -> Option<Self> {
+        let bulges = bulge.map_or(Some(Vec::new()), |bulge| bulge.of_blocks(field, tick))?;
+        let pyramid = Pyramid::build(field, &bulges, tick)?;
         let mut start_level = 1;
         let mut side = FACTOR as f64 * field.pitch_mm();
         while 2.0 * radius > TOP_BLOCKS * side && start_level < pyramid.top() {
@@ -78,11 +87,19 @@ impl<'a> Ground<'a> {
             pitch: field.pitch_mm(),
             per_pitch: 1.0 / field.pitch_mm(),
             pyramid,
+            bulges,
             radius,
             per_radius: (1.0 / radius) as f32 * (1.0 + ROUNDING),
             start_level,
             scales: (0..=start_level).map(|l| Scale::new(field.pitch_mm() / radius, l)).collect(),
         })
+    }
+
+    /// What the nodes of block (i, j) of level 1 are raised by, / R.
+    #[inline]
+    fn bulge(&self, i: usize, j: usize) -> f32 {
+        let block = j * self.pyramid.level(1).columns + i;
+        self.bulges.get(block).map_or(0.0, |bulge| bulge * self.per_radius)
     }
 
     /// Height of node (i, j), in mm.
@@ -184,14 +201,19 @@ impl<P: Probe> Walk<'_, P> {
         least_distance(f32x4::splat(low), scale)
     }
 
+    /// How far heights are above the tip, / R.
+    #[inline]
+    fn rise(&self, heights: f32x4, best: &Best) -> f32x4 {
+        (heights - f32x4::splat(best.low)) * f32x4::splat(self.ground.per_radius)
+    }
+
     /// Which of the blocks from `i` on can matter.
     #[inline]
-    fn test(&self, scale: &Scale, y: f32x4, i: usize, highest: f32x4, best: &Best) -> u32 {
+    fn test(&self, scale: &Scale, y: f32x4, i: usize, rise: f32x4) -> u32 {
         let first = (i as f64 * scale.side - self.axis.x) as f32;
         let side = scale.side as f32;
         let low = f32x4::splat(first) + f32x4::from([0.0, side, 2.0 * side, 3.0 * side]);
         let x = least_distance(low, scale);
-        let rise = (highest - f32x4::splat(best.low)) * f32x4::splat(self.ground.per_radius);
         self.probe.may_touch(x, y, rise)
     }
 
@@ -210,7 +232,8 @@ impl<P: Probe> Walk<'_, P> {
         let mut hits = 0_u32;
         for row in 0..rows {
             let y = self.row_distance(scale, j + row);
-            hits |= self.test(scale, y, i, blocks.four(i, j + row), best) << (row * FACTOR);
+            let rise = self.rise(blocks.four(i, j + row), best);
+            hits |= self.test(scale, y, i, rise) << (row * FACTOR);
         }
         while hits != 0 {
             let k = hits.trailing_zeros() as usize;
@@ -229,7 +252,8 @@ impl<P: Probe> Walk<'_, P> {
         let i = i * FACTOR;
         for j in j * FACTOR..(j * FACTOR + FACTOR).min(blocks.rows) {
             let y = self.row_distance(scale, j);
-            let mut hits = self.test(scale, y, i, blocks.four(i, j), best);
+            let rise = self.rise(blocks.four(i, j), best);
+            let mut hits = self.test(scale, y, i, rise);
             while hits != 0 {
                 let k = hits.trailing_zeros() as usize;
                 hits &= hits - 1;
@@ -241,11 +265,12 @@ impl<P: Probe> Walk<'_, P> {
     #[inline]
     fn descend_to_nodes(&self, scale: &Scale, i: usize, j: usize, best: &mut Best) {
         // All tests first, without a branch between them.
+        let bulge = f32x4::splat(self.ground.bulge(i / FACTOR, j / FACTOR));
         let mut hits = 0_u32;
         for row in 0..FACTOR.min(self.ground.rows - j) {
             let y = self.row_distance(scale, j + row);
-            let four = self.ground.four(i, j + row);
-            hits |= self.test(scale, y, i, four, best) << (row * FACTOR);
+            let rise = self.rise(self.ground.four(i, j + row), best) + bulge;
+            hits |= self.test(scale, y, i, rise) << (row * FACTOR);
         }
         while hits != 0 {
             let k = hits.trailing_zeros() as usize;
