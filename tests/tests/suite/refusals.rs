@@ -209,7 +209,7 @@ const SLIPS: [Slip; 22] = [
     slip(
         "\"points\": (kind",
         "\"gray\": (kind",
-        &["duplicate key \"gray\"; the first is on line 37", "44 | "],
+        &["duplicate key \"gray\"; the first is on line 38", "44 | "],
     ),
     slip("\"kernel\": 5", "\"kernel\": [5]", &["kernel must be a number, ", ", not a list"]),
     slip(
@@ -283,7 +283,7 @@ fn names_that_lead_out_of_the_output_folder() {
             &bench,
             &["mine.ron"],
             2,
-            &["node \"preview_path\": name: ", "mine.ron:82:"],
+            &["node \"preview_path\": name: ", "mine.ron:83:"],
         );
     }
 }
@@ -386,7 +386,7 @@ fn a_recipe_that_uses_itself() {
         &bench,
         &["mine.ron"],
         2,
-        &["use each other in a loop: mine -> mine", "mine.ron:44:"],
+        &["use each other in a loop: mine -> mine", "mine.ron:45:"],
     );
     let answer = bench.carve(&["check", "mine.ron"]);
     assert_eq!(answer.err.matches("error: ").count(), 1, "said once: {}", answer.err);
