@@ -14,6 +14,7 @@ mod path;
 mod picture;
 mod plugin;
 mod registry;
+mod relief;
 mod services;
 mod shop;
 mod surface;

@@ -5,10 +5,13 @@ use carvegraph_core::Library;
 /// The standard recipes, sorted by name, and the samples that they carve where nothing else is said.
 pub const LIBRARY: Library = Library {
     recipes: &[
+        ("bas_relief", include_str!("../../graphs/bas_relief.ron")),
         ("depth_map", include_str!("../../graphs/depth_map.ron")),
+        ("lithophane", include_str!("../../graphs/lithophane.ron")),
         ("mesh_finish", include_str!("../../graphs/mesh_finish.ron")),
         ("patterns", include_str!("../../graphs/patterns.ron")),
         ("photo", include_str!("../../graphs/photo.ron")),
+        ("plaque", include_str!("../../graphs/plaque.ron")),
         ("points_finish", include_str!("../../graphs/points_finish.ron")),
         ("portrait", include_str!("../../graphs/portrait.ron")),
         ("portrait_masks", include_str!("../../graphs/portrait_masks.ron")),

@@ -3,7 +3,7 @@
 use crate::job::{Job, Operation, described};
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
-use crate::{mask, output, path, picture, surface};
+use crate::{mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Pattern, PointCloud, Polygon, Reduction, SpanKind,
@@ -15,10 +15,14 @@ use std::mem::size_of;
 /// Every node, sorted by name.
 pub(crate) fn kinds() -> Vec<NodeKind> {
     vec![
+        NodeKind::of::<relief::BasReliefNode>("relief"),
         NodeKind::of::<picture::BilateralFilter>("picture"),
+        NodeKind::of::<relief::Border>("relief"),
         NodeKind::of::<path::CirclesNode>("path"),
         NodeKind::of::<picture::Clahe>("picture"),
+        NodeKind::of::<relief::ClampField>("relief"),
         NodeKind::of::<mask::ColorMask>("mask"),
+        NodeKind::of::<relief::CombineFields>("relief"),
         NodeKind::of::<mask::CombineMasks>("mask"),
         NodeKind::of::<path::ContourParallelNode>("path"),
         NodeKind::of::<surface::CropField>("surface"),
@@ -29,6 +33,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<picture::Curves>("picture"),
         NodeKind::of::<path::CutterNode>("path"),
         NodeKind::of::<picture::DepthSmooth>("picture"),
+        NodeKind::of::<relief::Dome>("relief"),
         NodeKind::of::<path::DropCutter>("path"),
         NodeKind::of::<path::DropOnMesh>("path"),
         NodeKind::of::<path::DropOnPoints>("path"),
@@ -42,6 +47,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<surface::InspectMesh>("surface"),
         NodeKind::of::<picture::Invert>("picture"),
         NodeKind::of::<picture::Levels>("picture"),
+        NodeKind::of::<relief::LimitSlope>("relief"),
         NodeKind::of::<path::Link>("path"),
         NodeKind::of::<picture::LoadImage>("picture"),
         NodeKind::of::<mask::LoadMask>("mask"),
@@ -65,14 +71,17 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::RestAreaNode>("path"),
         NodeKind::of::<picture::RotateImage>("picture"),
         NodeKind::of::<path::Roughing>("path"),
+        NodeKind::of::<output::Save3mf>("output"),
         NodeKind::of::<output::SaveGcode>("output"),
         NodeKind::of::<mask::SaveMask>("mask"),
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
+        NodeKind::of::<relief::ScaleField>("relief"),
         NodeKind::of::<path::SetupNode>("path"),
         NodeKind::of::<path::SpiralNode>("path"),
         NodeKind::of::<surface::Stitch>("surface"),
         NodeKind::of::<output::Summary>("output"),
+        NodeKind::of::<relief::TileField>("relief"),
         NodeKind::of::<picture::TraceMask>("picture"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),

@@ -3,6 +3,7 @@
 mod operation;
 mod post;
 mod preview;
+mod save_3mf;
 mod save_gcode;
 mod save_points;
 mod save_stl;
@@ -11,6 +12,7 @@ mod summary;
 pub(crate) use operation::OperationNode;
 pub(crate) use post::Post;
 pub(crate) use preview::Preview;
+pub(crate) use save_3mf::Save3mf;
 pub(crate) use save_gcode::SaveGcode;
 pub(crate) use save_points::SavePoints;
 pub(crate) use save_stl::{MAX_TRIANGLES, SaveStl};

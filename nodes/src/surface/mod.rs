@@ -28,6 +28,8 @@ pub(crate) use load_points::LoadPoints;
 pub(crate) use mesh_to_field::MeshToField;
 pub(crate) use point_cloud::PointCloudNode;
 pub(crate) use portrait_map::PortraitMap;
+#[cfg(test)]
+pub(crate) use read::read_mesh;
 pub(crate) use stitch::Stitch;
 pub(crate) use transform_mesh::TransformMesh;
 pub(crate) use transform_points::TransformPoints;

@@ -22,6 +22,7 @@ mod real_surfaces;
 mod recipes;
 mod refusals;
 mod relief;
+mod reliefs;
 mod sample;
 mod surfaces;
 mod threads;
