@@ -73,7 +73,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::SpiralNode>("path"),
         NodeKind::of::<surface::Stitch>("surface"),
         NodeKind::of::<output::Summary>("output"),
-        NodeKind::of::<picture::TraceMask>("picture"),
+        NodeKind::of::<mask::TraceMask>("mask"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
         NodeKind::of::<picture::Vignette>("picture"),
