@@ -27,13 +27,13 @@
 //!
 //! # The area
 //! Contour lines of left − surface at a threshold ([`trace_level`]) or, where a margin is wanted, of
-//! the distance to the nodes that reach the threshold. The distance is exact on the grid (Meijster,
-//! Roerdink and Hesselink 2000). Lines are simplified, and set out by as much as that, a cell's side for
-//! what lies between nodes included, may take away: the area is never smaller than asked for.
+//! the distance to the nodes that reach the threshold, which is exact on the grid ([`distances`]). Lines
+//! are simplified, and set out by as much as that, a cell's side for what lies between nodes included,
+//! may take away: the area is never smaller than asked for.
 
 use crate::{
     Against, DropCutter, HeightField, Pattern, PatternSpan, Polygon, PolygonError, Profile,
-    Surface, Tick, TraceError, simplify_loop, trace_level,
+    Surface, Tick, TraceError, distances, simplify_loop, trace_level,
 };
 use glam::DVec2;
 use rayon::prelude::*;
@@ -78,6 +78,9 @@ pub enum RestError {
     /// The two fields are not over one grid.
     #[error("what is left and the surface have different grids")]
     OtherGrid,
+    /// The tick said so.
+    #[error("it was told to stop")]
+    Stopped,
 }
 
 /// The surface that a cutter leaves of `field` where its tip has visited every node. It lies nowhere
@@ -126,13 +129,16 @@ fn tips_over_nodes(
 
 /// Where `left` stands `threshold_mm` or more above `surface`, grown by `margin_mm`.
 ///
+/// `tick` counts nodes, each up to twice.
+///
 /// # Errors
-/// If that is nowhere, the outline has too many corners, or the grids differ.
+/// If that is nowhere, the outline has too many corners, the grids differ, or the tick says stop.
 pub fn rest_area(
     surface: &HeightField,
     left: &HeightField,
     threshold_mm: f64,
     margin_mm: f64,
+    tick: Tick,
 ) -> Result<RestArea, RestError> {
     let (columns, rows, pitch_mm) = (surface.columns(), surface.rows(), surface.pitch_mm());
     if (left.columns(), left.rows(), left.pitch_mm()) != (columns, rows, pitch_mm) {
@@ -149,14 +155,20 @@ pub fn rest_area(
     // Without a margin nothing may be taken away, and lines stay as they are.
     let (values, level, tolerance) = if margin_mm > 0.0 {
         let tolerance = SIMPLER * (1.0 + margin_mm / pitch_mm);
-        let mut nearness = distances(columns, rows, |i, j| excesses[j * columns + i] >= threshold);
+        let reaches = |at: usize| excesses[at] >= threshold;
+        let nearness = distances((columns, rows), reaches, &|rows| tick(rows * columns));
+        let mut nearness = nearness.ok_or(RestError::Stopped)?;
         nearness.par_iter_mut().for_each(|distance| *distance = -*distance);
         (nearness, -(margin_mm / pitch_mm + 1.0 + tolerance) as f32, tolerance)
     } else {
         // Inside is what lies above, and what just reaches the threshold is to be.
         (excesses, threshold.next_down(), 0.0)
     };
-    let lines = trace_level(columns, &values, level, &|_| true).map_err(RestError::TooLong)?;
+    let lines = trace_level(columns, &values, level, &|rows| tick(rows * columns));
+    let lines = lines.map_err(|fault| match fault {
+        TraceError::Stopped => RestError::Stopped,
+        TraceError::TooLong => RestError::TooLong(fault),
+    })?;
     let simpler = |line: &Vec<DVec2>| -> Vec<DVec2> {
         simplify_loop(line, tolerance).into_iter().map(|corner| corner * pitch_mm).collect()
     };
@@ -180,73 +192,6 @@ fn area_mm2(loops: &[Vec<DVec2>]) -> f64 {
         corners.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum()
     };
     loops.iter().map(twice).sum::<f64>().abs() / 2.0
-}
-
-/// The distance from each node of a grid to the nearest that `is_seed`, in units of its pitch; infinite
-/// if there is none.
-///
-/// Along the columns by counting, along the rows by the lower envelope of parabolas over the counts
-/// (Meijster, Roerdink and Hesselink, *A general algorithm for computing distance transforms in linear
-/// time*, 2000).
-fn distances(
-    columns: usize,
-    rows: usize,
-    is_seed: impl Fn(usize, usize) -> bool + Sync,
-) -> Vec<f32> {
-    // Larger than any distance on the grid, and its square is exact.
-    let far = (columns + rows) as u32;
-    let mut counts = vec![far; columns * rows];
-    let step = |counts: &mut [u32], from: usize, to: usize| {
-        for i in 0..columns {
-            counts[to * columns + i] = counts[to * columns + i].min(counts[from * columns + i] + 1);
-        }
-    };
-    counts.par_chunks_mut(columns).enumerate().for_each(|(j, row)| {
-        row.iter_mut()
-            .enumerate()
-            .filter(|(i, _)| is_seed(*i, j))
-            .for_each(|(_, count)| *count = 0);
-    });
-    (1..rows).for_each(|j| step(&mut counts, j - 1, j));
-    (1..rows).rev().for_each(|j| step(&mut counts, j, j - 1));
-    let mut distances = vec![f32::INFINITY; columns * rows];
-    let rows = counts.par_chunks(columns).zip(distances.par_chunks_mut(columns));
-    rows.for_each(|(counts, distances)| along_row(counts, far, distances));
-    distances
-}
-
-/// The distances of one row, from the counts along the columns; `far` and more is no count.
-fn along_row(counts: &[u32], far: u32, distances: &mut [f32]) {
-    let square = |i: usize, from: usize| {
-        let (across, along) = (i.abs_diff(from) as f64, f64::from(counts[from]));
-        across * across + along * along
-    };
-    // Where the parabola over `b` falls below that over `a`, which stands before it.
-    let meet = |a: usize, b: usize| {
-        let height = |k: usize| f64::from(counts[k]).powi(2) + (k as f64).powi(2);
-        (height(b) - height(a)) / (2.0 * (b - a) as f64)
-    };
-    // The parabolas of the envelope, and where each begins to be the lowest.
-    let mut envelope: Vec<(usize, f64)> = Vec::new();
-    for k in (0..counts.len()).filter(|k| counts[*k] < far) {
-        while let Some(&(last, begins)) = envelope.last() {
-            if meet(last, k) > begins {
-                break;
-            }
-            envelope.pop();
-        }
-        let begins = envelope.last().map_or(f64::NEG_INFINITY, |(last, _)| meet(*last, k));
-        envelope.push((k, begins));
-    }
-    let mut at = 0;
-    for (i, distance) in distances.iter_mut().enumerate() {
-        while envelope.get(at + 1).is_some_and(|(_, begins)| *begins <= i as f64) {
-            at += 1;
-        }
-        if let Some((from, _)) = envelope.get(at) {
-            *distance = square(i, *from).sqrt() as f32;
-        }
-    }
 }
 
 #[cfg(test)]
@@ -322,7 +267,7 @@ mod tests {
         let left = |radius: f64| {
             let bowl = bowl(radius);
             let left = leftover(&bowl, &Profile::ball(3.0).unwrap(), GO).unwrap();
-            match rest_area(&bowl, &left, 1.0, 0.0) {
+            match rest_area(&bowl, &left, 1.0, 0.0, GO) {
                 Err(RestError::Nothing { most_mm, .. }) => most_mm,
                 other => panic!("{other:?}"),
             }
@@ -344,7 +289,7 @@ mod tests {
         let left = leftover(&groove, &Profile::ball(radius).unwrap(), GO).unwrap();
         let middle = left.height(100, 20);
         assert!((middle - radius * (SQRT_2 - 1.0)).abs() < 1e-6, "{middle}");
-        let area = rest_area(&groove, &left, 0.001, 0.0).unwrap();
+        let area = rest_area(&groove, &left, 0.001, 0.0, GO).unwrap();
         assert!((area.most_mm - middle).abs() < 1e-9);
         let reach = radius / SQRT_2;
         let widest = area.outline.loops().iter().flatten().map(|c| (c.x - 2.0).abs());
@@ -384,7 +329,7 @@ mod tests {
             seeds.iter().for_each(|seed| left[*seed] = 0.2);
             let left = field(30, 0.4, left);
             let margin = random.f64() * 3.0 + 0.01;
-            let area = rest_area(&surface, &left, 0.1, margin).unwrap();
+            let area = rest_area(&surface, &left, 0.1, margin, GO).unwrap();
             let all = Region::new(&surface.bounds()).unwrap();
             let region = all.within(area.outline).unwrap();
             for _ in 0..300 {
@@ -404,32 +349,18 @@ mod tests {
     }
 
     #[test]
-    fn distances_are_those_to_the_nearest_seed() {
-        let mut random = Rng::with_seed(9);
-        for _ in 0..200 {
-            let (columns, rows) = (random.usize(1..15), random.usize(1..15));
-            let seeds: Vec<bool> = (0..columns * rows).map(|_| random.u8(..) < 30).collect();
-            let found = distances(columns, rows, |i, j| seeds[j * columns + i]);
-            for (k, distance) in found.iter().enumerate() {
-                let place = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64);
-                let all = (0..seeds.len()).filter(|seed| seeds[*seed]);
-                let nearest = all.map(|seed| place(seed).distance(place(k)));
-                let nearest = nearest.fold(f64::INFINITY, f64::min) as f32;
-                assert_eq!(*distance, nearest);
-            }
-        }
-    }
-
-    #[test]
     fn it_stops_when_told() {
         let field = field(9, 0.5, vec![0.0; 81]);
         let ball = Profile::ball(1.0).unwrap();
         assert_eq!(leftover(&field, &ball, &|_| false), None);
+        let above = HeightField::new(9, 9, 0.5, vec![1.0; 81]).unwrap();
+        let area = rest_area(&field, &above, 0.1, 0.5, &|_| false);
+        assert_eq!(area, Err(RestError::Stopped));
     }
 
     #[test]
     fn other_grids_are_refused() {
         let (a, b) = (field(9, 0.5, vec![0.0; 81]), field(9, 0.4, vec![0.0; 81]));
-        assert_eq!(rest_area(&a, &b, 0.1, 0.0), Err(RestError::OtherGrid));
+        assert_eq!(rest_area(&a, &b, 0.1, 0.0, GO), Err(RestError::OtherGrid));
     }
 }

@@ -82,7 +82,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<surface::Stitch>("surface"),
         NodeKind::of::<output::Summary>("output"),
         NodeKind::of::<relief::TileField>("relief"),
-        NodeKind::of::<picture::TraceMask>("picture"),
+        NodeKind::of::<mask::TraceMask>("mask"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
         NodeKind::of::<picture::Vignette>("picture"),

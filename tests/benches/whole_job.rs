@@ -1,4 +1,5 @@
-//! Whole jobs, picture to program, each as a process of its own: how long, and how much memory.
+//! Whole jobs, picture to program, and the preparation of a photograph, each as a process of its own: how
+//! long, and how much memory.
 //!
 //! The pictures are made here: soft shapes, hard edges and fine grain, as a photograph has them.
 
@@ -12,22 +13,41 @@ use std::process::Command;
 
 /// A job, and what the source or the project asks of it.
 struct Job {
+    recipe: &'static str,
     picture: (u32, u32),
     set: &'static [&'static str],
     runs: usize,
     goal: &'static str,
 }
 
-const JOBS: [Job; 4] = [
-    Job { picture: (480, 480), set: &["surface=mesh"], runs: 9, goal: "1 s (source: 16 min 14 s)" },
+/// Every node that prepares pictures.
+const PREPARATION: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/preparation.ron");
+
+const JOBS: [Job; 5] = [
+    Job { recipe: PREPARATION, picture: (6000, 4000), set: &[], runs: 9, goal: "2 s" },
     Job {
+        recipe: "relief",
+        picture: (480, 480),
+        set: &["surface=mesh"],
+        runs: 9,
+        goal: "1 s (source: 16 min 14 s)",
+    },
+    Job {
+        recipe: "relief",
         picture: (1104, 1392),
         set: &["surface=mesh"],
         runs: 5,
         goal: "3 s (source: 72 min 58 s)",
     },
-    Job { picture: (10_000, 10_000), set: &["save_mesh=none"], runs: 1, goal: "60 s, 3 GiB" },
     Job {
+        recipe: "relief",
+        picture: (10_000, 10_000),
+        set: &["save_mesh=none"],
+        runs: 1,
+        goal: "60 s, 3 GiB",
+    },
+    Job {
+        recipe: "relief",
         picture: (10_000, 10_000),
         set: &["save_mesh=none", "surface=mesh"],
         runs: 1,
@@ -57,13 +77,26 @@ fn main() {
             peak.fold(0.0, f64::max),
             job.goal
         );
+        if job.recipe == PREPARATION {
+            print_nodes(&reports);
+        }
+    }
+}
+
+/// The least time that each node took in any run.
+fn print_nodes(reports: &[Json]) {
+    let nodes = reports[0]["nodes"].as_object().expect("nodes");
+    for (id, node) in nodes {
+        let wall_s = reports.iter().filter_map(|report| report["nodes"][id]["wall_s"].as_f64());
+        let kind = node["kind"].as_str().unwrap_or_default();
+        println!("{kind:>47} {:>7.3}", wall_s.fold(f64::INFINITY, f64::min));
     }
 }
 
 fn run(folder: &Path, picture: &Path, job: &Job) -> Json {
     let report = folder.join("report.json");
     let mut command = Command::new(env!("CARGO_BIN_EXE_carve-under-test"));
-    command.args(["run", "relief", "--quiet", "--report"]).arg(&report);
+    command.args(["run", job.recipe, "--quiet", "--report"]).arg(&report);
     command.arg("--out").arg(folder.join("out"));
     command.arg("--set").arg(format!("image={}", picture.display()));
     for set in job.set {

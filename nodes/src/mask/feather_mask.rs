@@ -3,12 +3,13 @@
 //! With d the distance of a pixel's middle from the mask's edge, positive inside, and w the width
 //! asked for, the share is s(t) = 3t² - 2t³ at t = 1/2 + d/w, held to 0 … 1: half at the edge, level
 //! at both ends, so that what is lifted under the mask shows no crease. The edge lies half a pixel
-//! from the middles on both sides of it; distances are exact (see `distance`). Inside is what the
+//! from the middles on both sides of it; distances are exact ([`distances`]). Inside is what the
 //! mask selects by half or more. The picture's border is no edge.
 
-use super::{SELECTED, distance};
+use super::SELECTED;
 use crate::values::Mask;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_geometry::distances;
 use rayon::prelude::*;
 
 /// Softens a mask's edge, so that what is done under it does not end in a cliff.
@@ -43,10 +44,10 @@ impl Node for FeatherMask {
         let Mask { width, height, values } = inputs.mask;
         let size = (*width, *height);
         let ticker = cx.ticker(2 * height);
-        let tick = || ticker.tick(1);
+        let tick = |rows| ticker.tick(rows);
         let is_in = |at: usize| values[at] >= SELECTED;
-        let outwards = cx.completed(distance::distances(size, is_in, tick))?;
-        let inwards = cx.completed(distance::distances(size, |at| !is_in(at), tick))?;
+        let outwards = cx.completed(distances(size, is_in, &tick))?;
+        let inwards = cx.completed(distances(size, |at| !is_in(at), &tick))?;
         let values = outwards.into_par_iter().zip(inwards).map(|(out, within)| {
             // One of the two is 0.
             let from_edge = if within > 0.0 { within - 0.5 } else { 0.5 - out };

@@ -2,13 +2,14 @@
 //!
 //! Grown by r, a mask selects every pixel whose middle is at most r from that of a selected one;
 //! shrunk by r, it keeps those that are further than r from every pixel left out. Distances are
-//! exact (see `distance`), so a dot grows to a disk. Selected is what a mask selects by half or
+//! exact ([`distances`]), so a dot grows to a disk. Selected is what a mask selects by half or
 //! more, and the result is crisp. What lies beyond the picture's border counts as nothing: a mask
 //! does not shrink from there.
 
-use super::{SELECTED, distance};
+use super::SELECTED;
 use crate::values::Mask;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
+use carvegraph_geometry::distances;
 use rayon::prelude::*;
 
 /// Moves a mask's edge outwards or inwards by the same distance everywhere.
@@ -42,7 +43,7 @@ impl Node for GrowMask {
         let grows = self.by >= 0.0;
         // What spreads: the mask, or what it leaves out.
         let spreads = |at: usize| (values[at] >= SELECTED) == grows;
-        let found = distance::distances((*width, *height), spreads, || ticker.tick(1));
+        let found = distances((*width, *height), spreads, &|rows| ticker.tick(rows));
         let reached = |distance: f32| f64::from(distance) <= self.by.abs();
         let share = |distance: f32| if reached(distance) == grows { 1.0 } else { 0.0 };
         let values = cx.completed(found)?.into_par_iter().map(share).collect();

@@ -1,14 +1,15 @@
-//! Masks: which pixels of a picture are meant, drawn, chosen by colour or loaded, and put together.
+//! Masks: which pixels of a picture are meant, drawn, chosen by colour or loaded, put together, and
+//! traced as outlines.
 
 mod color_mask;
 mod combine_masks;
-mod distance;
 mod feather_mask;
 mod grow_mask;
 mod load_mask;
 mod mask_lift;
 mod polygon_mask;
 mod save_mask;
+mod trace_mask;
 
 pub(crate) use color_mask::ColorMask;
 pub(crate) use combine_masks::CombineMasks;
@@ -18,6 +19,7 @@ pub(crate) use load_mask::LoadMask;
 pub(crate) use mask_lift::MaskLift;
 pub(crate) use polygon_mask::PolygonMask;
 pub(crate) use save_mask::SaveMask;
+pub(crate) use trace_mask::TraceMask;
 
 use crate::values::Mask;
 use carvegraph_core::NodeError;

@@ -45,10 +45,11 @@ impl Node for RestAreaNode {
 
     fn run(&self, inputs: Finished<'_>, cx: &Context<'_>) -> Result<Rest, NodeError> {
         let Finished { surface, cutter } = inputs;
-        let ticker = cx.ticker(2 * surface.heights().len());
-        let left = leftover(surface, &cutter.profile, &|nodes| ticker.tick(nodes));
+        let ticker = cx.ticker(4 * surface.heights().len());
+        let tick = |nodes| ticker.tick(nodes);
+        let left = leftover(surface, &cutter.profile, &tick);
         let left = cx.completed(left)?;
-        let area = rest_area(surface, &left, self.threshold, self.margin);
+        let area = rest_area(surface, &left, self.threshold, self.margin, &tick);
         let area = area.map_err(|fault| refusal(fault, cutter))?;
         cx.note(format!(
             "the {} leaves more than {} mm on {:.0} % of the part, {:.3} mm at most; with the margin the finer \
@@ -75,6 +76,7 @@ fn refusal(fault: RestError, cutter: &Cutter) -> NodeError {
             format!("{fault} (raise threshold or margin, or smooth the surface)")
         }
         RestError::OtherGrid => return NodeError::failed(fault),
+        RestError::Stopped => return NodeError::Cancelled,
     };
     NodeError::refused("threshold", message)
 }

@@ -9,7 +9,7 @@
 //! √1.25 cells, which is why cells are σ / √1.25. Where a smooth part meets a step it is off by up to 4 % of
 //! the picture's range.
 
-use super::rows::by_rows;
+use super::rows::{by_rows, range, weighted_sum};
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use rayon::prelude::*;
@@ -51,33 +51,46 @@ type Cell = [f32; 2];
 
 impl Node for BilateralFilter {
     const KIND: &'static str = "bilateral_filter";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Rough<'a>;
     type Outputs = Smooth;
 
     fn run(&self, inputs: Rough<'_>, cx: &Context<'_>) -> Result<Smooth, NodeError> {
         let image = inputs.image;
-        let pixels = image.values.par_iter().map(|value| (*value, *value));
-        let (dark, bright) = pixels
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (dark, bright) = range(image);
         if dark == bright {
             return Ok(Smooth { image: image.clone() });
         }
         let frame = Frame::new(image, self, dark, bright)?;
-        let mut cells = frame.count(image, dark);
-        for axis in 0..3 {
-            cells = frame.blur(&cells, axis);
-            if cx.is_cancelled() {
-                return Err(NodeError::Cancelled);
-            }
+        let counted = frame.count(image, dark);
+        if cx.is_cancelled() {
+            return Err(NodeError::Cancelled);
         }
+        let cells = frame.blur(counted);
+        let across: Vec<Place> = (0..image.width).map(|x| Place::of(frame.place(x))).collect();
         let image = by_rows((image.width, image.height), cx, |y, row| {
+            let down = Place::of(frame.place(y));
             let source = &image.values[y * image.width..];
-            for (x, (value, source)) in row.iter_mut().zip(source).enumerate() {
+            for ((value, source), across) in row.iter_mut().zip(source).zip(&across) {
                 // Less the darkest gray, for the sake of the last digits.
-                *value = frame.look_up(&cells, x, y, source - dark) + dark;
+                let gray = Place::of(frame.layer(source - dark));
+                *value = frame.look_up(&cells, [&down, across, &gray]) + dark;
             }
         })?;
         Ok(Smooth { image })
+    }
+}
+
+/// A place between two cells along an axis: the first of them, and how far it lies after that.
+struct Place {
+    first: usize,
+    share: f32,
+}
+
+impl Place {
+    fn of(place: f32) -> Self {
+        let first = place as u32;
+        Self { first: first as usize, share: place - first as f32 }
     }
 }
 
@@ -127,69 +140,67 @@ impl Frame {
     /// Every pixel counted into the cell nearest to it.
     fn count(&self, image: &GrayImage, dark: f32) -> Vec<Cell> {
         let row_cells = self.columns * self.layers;
-        let nearest = |place: f32| (place + 0.5) as usize;
+        let nearest = |place: f32| (place + 0.5) as u32 as usize;
         // The pixel rows whose nearest cells are a row of the grid follow each other.
         let grid_rows: Vec<usize> = (0..image.height).map(|y| nearest(self.place(y))).collect();
         let first = |row: usize| grid_rows.partition_point(|grid_row| *grid_row < row);
         let starts: Vec<usize> = (0..=self.rows).map(first).collect();
+        let columns: Vec<usize> =
+            (0..image.width).map(|x| nearest(self.place(x)) * self.layers).collect();
         let mut cells = vec![[0.0; 2]; self.rows * row_cells];
         cells.par_chunks_exact_mut(row_cells).enumerate().for_each(|(row, cells)| {
             for y in starts[row]..starts[row + 1] {
-                let line = &image.values[y * image.width..][..image.width];
-                for (x, value) in line.iter().enumerate() {
+                let line = &image.values[y * image.width..];
+                for (value, column) in line.iter().zip(&columns) {
                     let gray = value - dark;
-                    let at = nearest(self.place(x)) * self.layers + nearest(self.layer(gray));
-                    cells[at][0] += gray;
-                    cells[at][1] += 1.0;
+                    let cell = &mut cells[column + nearest(self.layer(gray))];
+                    cell[0] += gray;
+                    cell[1] += 1.0;
                 }
             }
         });
         cells
     }
 
-    /// The grid blurred along one axis: layers, columns, rows.
-    fn blur(&self, cells: &[Cell], axis: usize) -> Vec<Cell> {
+    /// The grid blurred along all of its axes.
+    fn blur(&self, mut cells: Vec<Cell>) -> Vec<Cell> {
         let row_cells = self.columns * self.layers;
-        let (stride, count) =
-            [(1, self.layers), (self.layers, self.columns), (row_cells, self.rows)][axis];
+        cells.par_chunks_exact_mut(row_cells).for_each(|row| {
+            // The first and last cells of each line hold nothing, so that nothing of a line comes into
+            // the next one.
+            for stride in [1, self.layers] {
+                let margin = vec![0.0; 2 * MARGIN * stride];
+                let padded = [&margin, row.as_flattened(), &margin].concat();
+                let lines: Vec<&[f32]> =
+                    (0..KERNEL.len()).map(|k| &padded[2 * k * stride..]).collect();
+                weighted_sum(&lines, &KERNEL, row.as_flattened_mut());
+            }
+        });
         let mut blurred = vec![[0.0; 2]; cells.len()];
         blurred.par_chunks_exact_mut(row_cells).enumerate().for_each(|(row, out)| {
-            for (k, out) in out.iter_mut().enumerate() {
-                let at = row * row_cells + k;
-                let along = at / stride % count;
-                for (weight, by) in KERNEL.iter().zip(-2isize..) {
-                    if (0..count as isize).contains(&(along as isize + by)) {
-                        let cell = cells[(at as isize + by * stride as isize) as usize];
-                        out[0] += weight * cell[0];
-                        out[1] += weight * cell[1];
-                    }
-                }
-            }
+            let rows = row.saturating_sub(MARGIN)..self.rows.min(row + MARGIN + 1);
+            let lines: Vec<&[f32]> =
+                rows.clone().map(|from| cells[from * row_cells..].as_flattened()).collect();
+            let weights: Vec<f32> = rows.map(|from| KERNEL[from + MARGIN - row]).collect();
+            weighted_sum(&lines, &weights, out.as_flattened_mut());
         });
         blurred
     }
 
     /// The mean at a pixel's place and gray, from the eight cells around it.
-    fn look_up(&self, cells: &[Cell], x: usize, y: usize, gray: f32) -> f32 {
-        let places = [self.layer(gray), self.place(x), self.place(y)];
-        let first = places.map(|place| place as usize);
-        let share = [0, 1, 2].map(|axis| places[axis] - first[axis] as f32);
-        let at = (first[2] * self.columns + first[1]) * self.layers + first[0];
-        let strides = [1, self.layers, self.columns * self.layers];
-        let mut sum: Cell = [0.0; 2];
-        for corner in 0..8 {
-            let mut weight = 1.0;
-            let mut cell = at;
-            for axis in 0..3 {
-                let far = corner >> axis & 1 == 1;
-                weight *= if far { share[axis] } else { 1.0 - share[axis] };
-                cell += if far { strides[axis] } else { 0 };
+    fn look_up(&self, cells: &[Cell], [down, across, gray]: [&Place; 3]) -> f32 {
+        let at = (down.first * self.columns + across.first) * self.layers + gray.first;
+        let mut sums = [0.0; 4];
+        for (row, weight) in [(0, 1.0 - down.share), (self.columns, down.share)] {
+            for (column, weight) in [(0, weight * (1.0 - across.share)), (1, weight * across.share)]
+            {
+                let two = cells[at + (row + column) * self.layers..][..2].as_flattened();
+                sums.iter_mut().zip(two).for_each(|(sum, value)| *sum += weight * value);
             }
-            sum[0] += weight * cells[cell][0];
-            sum[1] += weight * cells[cell][1];
         }
-        // The pixel itself was counted within half a cell of its place, so the sum is not 0.
-        sum[0] / sum[1]
+        let [sum, count] = [0, 1].map(|k| sums[k] + gray.share * (sums[k + 2] - sums[k]));
+        // The pixel itself was counted within half a cell of its place, so the count is not 0.
+        sum / count
     }
 }
 

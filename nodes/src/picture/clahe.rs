@@ -8,14 +8,16 @@
 //! each pixel takes the curves of the four nearest tiles, weighted by nearness.
 //!
 //! Unlike OpenCV's, curves are interpolated between levels and nothing is rounded: a picture of 16
-//! bits keeps its levels, and one of 8 bits gets what OpenCV gives before it rounds. Gray outside of
-//! 0 … 1 is held to it, with a warning.
+//! bits keeps its levels, and one of 8 bits gets what OpenCV gives before it rounds. Where one side only
+//! is a multiple of the tiles, OpenCV makes tiles a pixel longer along that one too; these are not. Gray
+//! outside of 0 … 1 is held to it, with a warning.
 
 use super::gaussian_blur::reflect;
 use super::rows::by_rows;
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use rayon::prelude::*;
+use std::array::from_fn;
 
 /// Levels of a histogram.
 const LEVELS: usize = 256;
@@ -45,6 +47,7 @@ pub(crate) struct Vivid {
 
 impl Node for Clahe {
     const KIND: &'static str = "clahe";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Dull<'a>;
     type Outputs = Vivid;
 
@@ -66,11 +69,14 @@ impl Node for Clahe {
             (0..image.width).map(|x| Between::tiles(x, tile.0, tiles)).collect();
         let image = by_rows((image.width, image.height), cx, |y, row| {
             let down = Between::tiles(y, tile.1, tiles);
+            let [above, below] = [down.first, down.second].map(|k| &curves[k * tiles..][..tiles]);
+            let mixed: Vec<Curve> =
+                above.iter().zip(below).map(|(above, below)| down.curve(above, below)).collect();
             let source = &image.values[y * image.width..];
             for ((value, source), across) in row.iter_mut().zip(source).zip(&across) {
-                let at = |row: usize, column: usize| curves[row * tiles + column].at(*source);
-                let along = |row: usize| across.mix(at(row, across.first), at(row, across.second));
-                *value = down.mix(along(down.first), along(down.second));
+                let place = Place::of(*source);
+                let [first, second] = [across.first, across.second].map(|k| mixed[k].at(&place));
+                *value = across.mix(first, second);
             }
         })?;
         Ok(Vivid { image })
@@ -81,11 +87,13 @@ impl Clahe {
     /// That of the tile whose first pixel is at `left`, `top`.
     fn curve(&self, image: &GrayImage, (left, top): (usize, usize), tile: (usize, usize)) -> Curve {
         let mut counts = [0u32; LEVELS];
+        let columns: Vec<usize> =
+            (left..left + tile.0).map(|x| reflect(x, 0, image.width)).collect();
         for y in top..top + tile.1 {
-            let row = &image.values[reflect(y as isize, image.height) * image.width..];
-            for x in left..left + tile.0 {
-                let value = row[reflect(x as isize, image.width)].clamp(0.0, 1.0);
-                counts[(value * (LEVELS - 1) as f32).round() as usize] += 1;
+            let row = &image.values[reflect(y, 0, image.height) * image.width..];
+            for x in &columns {
+                let level = row[*x].clamp(0.0, 1.0) * (LEVELS - 1) as f32;
+                counts[(level + 0.5) as usize] += 1;
             }
         }
         let area = (tile.0 * tile.1) as f64;
@@ -113,11 +121,23 @@ fn clip(counts: &mut [u32; LEVELS], limit: u32) {
 struct Curve([f32; LEVELS]);
 
 impl Curve {
-    fn at(&self, value: f32) -> f32 {
+    fn at(&self, place: &Place) -> f32 {
+        let [below, above] = [0, 1].map(|k| self.0[place.below + k]);
+        below + place.share * (above - below)
+    }
+}
+
+/// The level below a gray that is not the last, and how far after it the gray lies.
+struct Place {
+    below: usize,
+    share: f32,
+}
+
+impl Place {
+    fn of(value: f32) -> Self {
         let level = value.clamp(0.0, 1.0) * (LEVELS - 1) as f32;
         let below = (level as usize).min(LEVELS - 2);
-        let share = level - below as f32;
-        self.0[below] + share * (self.0[below + 1] - self.0[below])
+        Self { below, share: level - below as f32 }
     }
 }
 
@@ -139,6 +159,10 @@ impl Between {
 
     fn mix(&self, first: f32, second: f32) -> f32 {
         first + self.share * (second - first)
+    }
+
+    fn curve(&self, first: &Curve, second: &Curve) -> Curve {
+        Curve(from_fn(|level| self.mix(first.0[level], second.0[level])))
     }
 }
 
@@ -172,6 +196,85 @@ mod tests {
         assert_eq!((counts[0], counts[100], counts[1]), (40 + 1 + 1, 11, 1));
         assert_eq!([64, 128, 192, 255].map(|level| counts[level]), [2, 2, 2, 1]);
         assert_eq!(counts.iter().sum::<u32>(), 310);
+    }
+
+    #[test]
+    fn pictures_of_8_bits_become_those_of_opencv() {
+        // Rows of cv2.createCLAHE(clip_limit, (tiles, tiles)) of OpenCV 5.0.0, which rounds the curves and
+        // the result to whole levels: 1 level in all.
+        type Row = (usize, &'static [u8]);
+        let cases: [(usize, usize, f64, u32, &[Row]); 3] = [
+            (
+                21,
+                17,
+                3.0,
+                4,
+                &[
+                    (
+                        0,
+                        &[
+                            17, 34, 51, 68, 65, 65, 56, 49, 52, 60, 65, 59, 56, 49, 44, 51, 61, 68,
+                            64, 71, 72,
+                        ],
+                    ),
+                    (
+                        8,
+                        &[
+                            39, 90, 116, 151, 196, 206, 223, 64, 110, 126, 155, 184, 199, 224, 70,
+                            122, 133, 149, 188, 201, 210,
+                        ],
+                    ),
+                    (
+                        16,
+                        &[
+                            60, 118, 175, 222, 110, 161, 201, 86, 139, 180, 223, 116, 162, 206, 93,
+                            144, 188, 220, 121, 170, 203,
+                        ],
+                    ),
+                ],
+            ),
+            (
+                24,
+                18,
+                2.0,
+                2,
+                &[
+                    (
+                        0,
+                        &[
+                            5, 9, 14, 21, 26, 33, 40, 44, 45, 47, 50, 50, 51, 50, 50, 49, 50, 48,
+                            52, 57, 66, 71, 78, 85,
+                        ],
+                    ),
+                    (
+                        9,
+                        &[
+                            26, 68, 118, 164, 68, 118, 164, 64, 107, 147, 183, 89, 130, 170, 72,
+                            113, 156, 192, 96, 148, 190, 96, 148, 190,
+                        ],
+                    ),
+                ],
+            ),
+            (
+                15,
+                1,
+                4.0,
+                2,
+                &[(0, &[32, 64, 96, 128, 159, 171, 175, 171, 160, 156, 160, 171, 191, 223, 255])],
+            ),
+        ];
+        for (width, height, clip_limit, tiles, rows) in cases {
+            let level = |x: usize, y: usize| (3 * x + 2 * y + x * y % 7 * 9) % 256;
+            let values: Vec<f32> =
+                (0..width * height).map(|k| level(k % width, k / width) as f32 / 255.0).collect();
+            let out = clahe(clip_limit, tiles, width, &values);
+            for (y, wanted) in rows {
+                let found = &out[y * width..][..width];
+                let off = |(found, wanted): (&f32, &u8)| (255.0 * found - f32::from(*wanted)).abs();
+                let most = found.iter().zip(*wanted).map(off).fold(0.0, f32::max);
+                assert!(most <= 1.0, "{width} × {height}, row {y}: {most} levels");
+            }
+        }
     }
 
     #[test]

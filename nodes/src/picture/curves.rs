@@ -34,6 +34,7 @@ pub(crate) struct After {
 
 impl Node for Curves {
     const KIND: &'static str = "curves";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Before<'a>;
     type Outputs = After;
 
@@ -49,17 +50,19 @@ impl Node for Curves {
     }
 }
 
-/// A point of a curve and the slope there.
-#[derive(Clone, Copy, Debug)]
-struct Knot {
-    x: f64,
-    y: f64,
-    slope: f64,
-}
-
+/// A curve, piece by piece.
 #[derive(Debug)]
 struct Curve {
-    knots: Vec<Knot>,
+    /// Where it is level: below the first of these and above the second.
+    ends: [f64; 2],
+    pieces: Vec<Piece>,
+}
+
+/// What a curve is from `start` on: a polynomial in the distance from there, constant first.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    start: f64,
+    factors: [f64; 4],
 }
 
 impl Curve {
@@ -85,20 +88,24 @@ impl Curve {
                 (heavy + light) / (heavy / slope(k - 1) + light / slope(k))
             }
         };
-        let knot = |k: usize| Knot { x: points[k].x, y: points[k].y, slope: slope_at(k) };
-        Ok(Self { knots: (0..=last).map(knot).collect() })
+        let piece = |k: usize| {
+            let (width, chord) = (chord(k)[0], slope(k));
+            let (begins, ends) = (slope_at(k), slope_at(k + 1));
+            let square = (3.0 * chord - 2.0 * begins - ends) / width;
+            let cube = (begins + ends - 2.0 * chord) / (width * width);
+            Piece { start: points[k].x, factors: [points[k].y, begins, square, cube] }
+        };
+        let ends = [points[0].x, points[last].x];
+        Ok(Self { ends, pieces: (0..last).map(piece).collect() })
     }
 
     fn at(&self, x: f64) -> f64 {
-        let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
-        let x = x.clamp(first.x, last.x);
-        let right = self.knots.partition_point(|knot| knot.x <= x).clamp(1, self.knots.len() - 1);
-        let (a, b) = (self.knots[right - 1], self.knots[right]);
-        let width = b.x - a.x;
-        let t = (x - a.x) / width;
-        let (past, left) = (t * t * (3.0 - 2.0 * t), 1.0 - t);
-        let bend = t * left * (left * a.slope - t * b.slope) * width;
-        a.y + past * (b.y - a.y) + bend
+        let x = x.clamp(self.ends[0], self.ends[1]);
+        // Curves have few pieces; counting takes no branch.
+        let before = self.pieces[1..].iter().filter(|piece| piece.start <= x).count();
+        let Piece { start, factors: [a, b, c, d] } = self.pieces[before];
+        let past = x - start;
+        a + past * (b + past * (c + past * d))
     }
 }
 

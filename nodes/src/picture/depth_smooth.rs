@@ -17,10 +17,13 @@
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use rayon::prelude::*;
+use wide::f32x8;
 
 /// Distances over which pixels are compared, and how often each is gone through.
 const STRIDES: [usize; 6] = [32, 16, 8, 4, 2, 1];
 const ROUNDS: usize = 3;
+/// Pixels that are worked on at once.
+const LANES: usize = 8;
 /// In steps: neighbouring treads differ by one; more than this is an edge.
 const EDGE: f32 = 1.5;
 
@@ -109,15 +112,21 @@ impl<'a> Round<'a> {
 
     /// Adds a quarter of the second differences to `out`, where they are those of treads.
     fn flatten(&self, out: &mut [f32], before: Pixels, middle: Pixels, after: Pixels) {
-        let edge = EDGE * self.step;
-        let count = out.len();
-        // Slices of one length, so that the loop is checked once.
-        let [a, m, b] = [before, middle, after].map(|(values, _)| &values[..count]);
-        let [sa, sm, sb] = [before, middle, after].map(|(_, saved)| &saved[..count]);
-        for k in 0..count {
-            let is_tread = ((sa[k] - sm[k]).abs() < edge) & ((sb[k] - sm[k]).abs() < edge);
-            out[k] += if is_tread { 0.25 * (a[k] - 2.0 * m[k] + b[k]) } else { 0.0 };
+        let edge = f32x8::splat(EDGE * self.step);
+        let change = |first: usize, count: usize| {
+            let lanes = |line: &[f32]| f32x8::from(&line[first..first + count]);
+            let [a, m, b] = [before, middle, after].map(|(values, _)| lanes(values));
+            let [sa, sm, sb] = [before, middle, after].map(|(_, saved)| lanes(saved));
+            let is_tread = (sa - sm).abs().simd_lt(edge) & (sb - sm).abs().simd_lt(edge);
+            is_tread.select(0.25 * (a - 2.0 * m + b), f32x8::ZERO)
+        };
+        let (blocks, rest) = out.as_chunks_mut::<LANES>();
+        let done = blocks.len() * LANES;
+        for (k, block) in blocks.iter_mut().enumerate() {
+            *block = (f32x8::from(*block) + change(k * LANES, LANES)).to_array();
         }
+        let last = change(done, rest.len()).to_array();
+        rest.iter_mut().zip(last).for_each(|(out, change)| *out += change);
     }
 }
 

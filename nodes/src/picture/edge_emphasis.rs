@@ -5,10 +5,11 @@
 //! of the blurred picture, in gray per pixel, so that outlines become ridges. Beyond the border both
 //! mirror the picture as the blur does. The result may go beyond 0 … 1, as any gray picture may.
 
-use super::gaussian_blur::{GaussianBlur, reflect};
+use super::gaussian_blur::{GaussianBlur, mirror_ends, reflect};
 use super::rows::by_rows;
 use crate::values::GrayImage;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
+use rayon::prelude::*;
 
 /// Makes edges stand out, so that they survive the cutter's radius.
 #[derive(Clone, Debug, Params)]
@@ -47,33 +48,37 @@ pub(crate) struct Crisp {
 
 impl Node for EdgeEmphasis {
     const KIND: &'static str = "edge_emphasis";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Dull<'a>;
     type Outputs = Crisp;
 
     fn run(&self, inputs: Dull<'_>, cx: &Context<'_>) -> Result<Crisp, NodeError> {
         let image = inputs.image;
-        let soft = GaussianBlur { kernel: self.kernel }.blurred(image, cx)?;
-        let (width, height) = (image.width, image.height);
+        let mut soft = GaussianBlur { kernel: self.kernel }.blurred(image, cx)?;
         let amount = self.amount as f32;
-        let pixel = |x: usize, y: usize| soft.values[y * width + x];
-        let steepness = |x: usize, y: usize| {
-            let beside = |i: usize, by: isize, count: usize| reflect(i as isize + by, count);
-            let along = pixel(beside(x, 1, width), y) - pixel(beside(x, -1, width), y);
-            let across = pixel(x, beside(y, 1, height)) - pixel(x, beside(y, -1, height));
-            0.5 * along.hypot(across)
-        };
-        let image = by_rows((width, height), cx, |y, row| {
-            for (x, value) in row.iter_mut().enumerate() {
-                let source = image.values[y * width + x];
-                *value = source
-                    + amount
-                        * match self.method {
-                            Method::Unsharp => source - pixel(x, y),
-                            Method::Gradient => steepness(x, y),
-                        };
+        match self.method {
+            Method::Unsharp => {
+                let pixels = soft.values.par_iter_mut().zip(&image.values);
+                pixels.for_each(|(soft, source)| *soft = source + amount * (source - *soft));
+                Ok(Crisp { image: soft })
             }
-        })?;
-        Ok(Crisp { image })
+            Method::Gradient => {
+                let (width, height) = (image.width, image.height);
+                let pixels = |y: usize| &soft.values[y * width..][..width];
+                let image = by_rows((width, height), cx, |y, row| {
+                    let mut line = [&[0.0], pixels(y), &[0.0]].concat();
+                    mirror_ends(&mut line, 1);
+                    let [above, below] = [0, 2].map(|k| pixels(reflect(y + k, 1, height)));
+                    let source = &image.values[y * width..][..width];
+                    for x in 0..width {
+                        let (along, across) = (line[x + 2] - line[x], below[x] - above[x]);
+                        let steepness = 0.5 * (along * along + across * across).sqrt();
+                        row[x] = source[x] + amount * steepness;
+                    }
+                })?;
+                Ok(Crisp { image })
+            }
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! 2015, section 3.2.1; the weights are those of ITU-R BT.601), on the samples as they are saved.
 //! A gray picture is taken as it is. Where the picture is transparent, a backdrop shows through.
 
+use super::rows::by_rows;
 use crate::values::{Channels, GrayImage, Image, Samples};
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use rayon::prelude::*;
@@ -35,6 +36,7 @@ pub(crate) struct Gray {
 
 impl Node for Grayscale {
     const KIND: &'static str = "grayscale";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Colored<'a>;
     type Outputs = Gray;
 
@@ -46,51 +48,64 @@ impl Node for Grayscale {
 impl Grayscale {
     /// A picture's luminance.
     pub(crate) fn gray(&self, image: &Image, cx: &Context<'_>) -> Result<GrayImage, NodeError> {
-        let gray = match &image.samples {
-            Samples::U8(samples) => self.values(image, samples, 255.0, cx)?,
-            Samples::U16(samples) => self.values(image, samples, 65535.0, cx)?,
-            Samples::F32(samples) => self.values(image, samples, 1.0, cx)?,
-        };
-        if let Some(at) = gray.par_iter().position_first(|value| !value.is_finite()) {
-            let (x, y) = (at % image.width, at / image.width);
-            let message = format!("the picture's pixel at column {x}, row {y} is {}", gray[at]);
-            return Err(NodeError::Failed(message + ": mend it or leave such pixels out"));
+        match &image.samples {
+            Samples::U8(samples) => self.of_samples(image, samples, 255.0, cx),
+            Samples::U16(samples) => self.of_samples(image, samples, 65535.0, cx),
+            Samples::F32(samples) => {
+                let gray = self.of_samples(image, samples, 1.0, cx)?;
+                check_finite(&gray)?;
+                Ok(gray)
+            }
         }
-        Ok(GrayImage { width: image.width, height: image.height, values: gray })
     }
 
     /// The gray of every pixel. `white` is the sample value that means 1.
-    fn values<S: Copy + Sync + Into<f64>>(
+    fn of_samples<S: Copy + Sync + Into<f64>>(
         &self,
         image: &Image,
         samples: &[S],
         white: f64,
         cx: &Context<'_>,
-    ) -> Result<Vec<f32>, NodeError> {
-        let at = |pixel: &[S], channel: usize| -> f64 { pixel[channel].into() };
-        let luminance = |p: &[S]| (RED * at(p, 0) + GREEN * at(p, 1) + BLUE * at(p, 2)) / white;
+    ) -> Result<GrayImage, NodeError> {
         let over = |gray: f64, opacity: f64| gray * opacity + self.backdrop * (1.0 - opacity);
-        let gray = |p: &[S]| match image.channels {
-            Channels::Gray => at(p, 0) / white,
-            Channels::GrayAlpha => over(at(p, 0) / white, at(p, 1) / white),
-            Channels::Rgb => luminance(p),
-            Channels::Rgba => over(luminance(p), at(p, 3) / white),
+        let (full, share) = (1.0 / white, |sample: S| sample.into() / white);
+        let luminance = |red: S, green: S, blue: S| {
+            (RED * red.into() + GREEN * green.into() + BLUE * blue.into()) * full
         };
-        let ticker = cx.ticker(image.height);
-        let count = image.channels.count();
-        let mut values = vec![0.0; image.width * image.height];
-        values
-            .par_chunks_exact_mut(image.width)
-            .zip(samples.par_chunks_exact(image.width * count))
-            .try_for_each(|(row, source)| {
-                for (value, pixel) in row.iter_mut().zip(source.chunks_exact(count)) {
-                    *value = gray(pixel) as f32;
-                }
-                ticker.tick(1).then_some(())
-            })
-            .ok_or(NodeError::Cancelled)?;
-        Ok(values)
+        match image.channels {
+            Channels::Gray => by_samples(image, samples, cx, |[gray]| share(gray)),
+            Channels::GrayAlpha => {
+                by_samples(image, samples, cx, |[gray, alpha]| over(share(gray), share(alpha)))
+            }
+            Channels::Rgb => by_samples(image, samples, cx, |[r, g, b]| luminance(r, g, b)),
+            Channels::Rgba => by_samples(image, samples, cx, |[r, g, b, alpha]| {
+                over(luminance(r, g, b), share(alpha))
+            }),
+        }
     }
+}
+
+/// A picture's gray, from the `COUNT` samples of each pixel.
+fn by_samples<S: Copy + Sync, const COUNT: usize>(
+    image: &Image,
+    samples: &[S],
+    cx: &Context<'_>,
+    gray: impl Fn([S; COUNT]) -> f64 + Sync,
+) -> Result<GrayImage, NodeError> {
+    let (pixels, _) = samples.as_chunks::<COUNT>();
+    by_rows((image.width, image.height), cx, |y, row| {
+        let pixels = &pixels[y * image.width..];
+        row.iter_mut().zip(pixels).for_each(|(value, pixel)| *value = gray(*pixel) as f32);
+    })
+}
+
+/// Refuses a picture with pixels that are no numbers.
+fn check_finite(gray: &GrayImage) -> Result<(), NodeError> {
+    let found = gray.values.par_iter().position_first(|value| !value.is_finite());
+    let Some(at) = found else { return Ok(()) };
+    let (x, y, value) = (at % gray.width, at / gray.width, gray.values[at]);
+    let message = format!("the picture's pixel at column {x}, row {y} is {value}");
+    Err(NodeError::Failed(message + ": mend it or leave such pixels out"))
 }
 
 #[cfg(test)]

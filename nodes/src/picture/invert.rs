@@ -1,9 +1,8 @@
 //! A picture's negative: I' = I_max + I_min - I, so that its range stays what it is.
 
-use super::rows::by_pixels;
+use super::rows::{by_pixels, range};
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
-use rayon::prelude::*;
 
 /// Turns dark into bright and back, so that what was deep becomes high.
 #[derive(Clone, Debug, Params)]
@@ -34,10 +33,7 @@ impl Node for Invert {
         if !self.on {
             return Ok(Negative { image: inputs.image.clone() });
         }
-        let values = inputs.image.values.par_iter();
-        let (dark, bright) = values
-            .map(|value| (*value, *value))
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (dark, bright) = range(inputs.image);
         // The larger part first, so that the ends of the range become each other exactly.
         let image = by_pixels(inputs.image, cx, |value| (bright - value) + dark)?;
         Ok(Negative { image })

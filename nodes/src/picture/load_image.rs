@@ -248,19 +248,44 @@ mod tests {
         assert!(message.starts_with("is no picture that can be read: png, jpeg"), "{message}");
     }
 
-    #[test]
-    fn a_turned_picture_is_set_upright() {
-        // EXIF orientation 6 in the JPEG says that the picture is to be turned 90° clockwise.
+    /// A JPEG of quarters of 16 × 8 px, with an EXIF orientation.
+    fn quarters(orientation: u8) -> Vec<u8> {
         let mut jpeg = Vec::new();
-        let samples: Vec<u8> = [[0; 16], [255; 16]].concat().repeat(16);
+        let gray = |k: usize| [[0, 80], [160, 240]][k / 32 / 8][k % 32 / 16];
+        let samples: Vec<u8> = (0..32 * 16).map(gray).collect();
         image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 100)
             .write_image(&samples, 32, 16, ExtendedColorType::L8)
             .unwrap();
-        let exif: &[u8] = b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
-        let turned = [&jpeg[..2], exif, &jpeg[2..]].concat();
-        let image = decoded(&turned).unwrap();
-        assert_eq!((image.width, image.height), (16, 32));
-        let Samples::U8(samples) = image.samples else { panic!("8 bits expected") };
-        assert!(samples[0] < 10 && samples[16 * 32 - 1] > 245, "the dark half is on top");
+        let mut exif = *b"\xff\xe1\x00\x22Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\0\0\0\0\0\0\0";
+        exif[29] = orientation;
+        [&jpeg[..2], &exif, &jpeg[2..]].concat()
+    }
+
+    #[test]
+    fn a_turned_picture_is_set_upright() {
+        // What EXIF 2.32 calls the 0th row and column of each orientation, as upright quarters.
+        let upright = [
+            [0, 80, 160, 240],
+            [80, 0, 240, 160],
+            [240, 160, 80, 0],
+            [160, 240, 0, 80],
+            [0, 160, 80, 240],
+            [160, 0, 240, 80],
+            [240, 80, 160, 0],
+            [80, 240, 0, 160],
+        ];
+        for (orientation, quarters_wanted) in (1..).zip(upright) {
+            let image = decoded(&quarters(orientation)).unwrap();
+            let (width, height) = if orientation < 5 { (32, 16) } else { (16, 32) };
+            assert_eq!((image.width, image.height), (width, height), "{orientation}");
+            let Samples::U8(samples) = image.samples else { panic!("8 bits expected") };
+            let middle = |x: usize, y: usize| {
+                i32::from(samples[(2 * y + 1) * height / 4 * width + (2 * x + 1) * width / 4])
+            };
+            let found = [middle(0, 0), middle(1, 0), middle(0, 1), middle(1, 1)];
+            let near =
+                found.iter().zip(quarters_wanted).all(|(a, b): (&i32, i32)| (a - b).abs() < 4);
+            assert!(near, "{orientation}: {found:?}");
+        }
     }
 }

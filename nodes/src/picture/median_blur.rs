@@ -1,22 +1,31 @@
 //! Median of a gray picture.
 //!
 //! Each pixel becomes the median of the k × k pixels around it; beyond the border the edge pixel is
-//! repeated, as OpenCV's `medianBlur` does. The window slides along a row while a histogram of it is
-//! kept (T. Huang, G. Yang, G. Tang, *A Fast Two-Dimensional Median Filtering Algorithm*, IEEE Trans.
-//! ASSP 27, 1979): 2k pixels change at each step, and the median is followed from where it was. The
-//! picture's range is divided into 65,536 levels; the result is a level's value, so that for pictures
-//! of 8 or 16 bits it is the median to within rounding, and for others to 1/131,070 of the range.
+//! repeated, as OpenCV's `medianBlur` does. The result is exact for any values.
+//!
+//! Up to k = 5, windows are gone through eight at once: one pixel more than half of a window is taken. The
+//! least and the greatest of these cannot be the median and are dropped, another pixel is taken, and so
+//! on until three are left (A. Paeth, *Median Finding on a 3 × 3 Grid*, Graphics Gems, 1990, for any k).
+//!
+//! Beyond, the picture is gone through in tiles of at most 2¹⁶ pixels, overhang included. These are
+//! sorted, so that each has a rank of its own in the tile; a window is the set of its ranks, one bit
+//! each. It slides to and fro over the tile: 2k ranks change at each step, and the median is found by
+//! counting bits (T. Huang, G. Yang, G. Tang, *A Fast Two-Dimensional Median Filtering Algorithm*, IEEE
+//! Trans. ASSP 27, 1979, with ranks in place of gray levels).
 
+use super::rows::{by_bands, by_rows};
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
-use rayon::prelude::*;
+use std::array::from_fn;
+use wide::f32x8;
 
-/// Levels that are told apart.
-const LEVELS: usize = 1 << 16;
-/// Levels that are counted together besides, so that a far median is found in few steps.
+/// Windows that are gone through at once.
+const LANES: usize = 8;
+/// Side of a tile with its overhang: ranks within fit 16 bits.
+const TILE: usize = 1 << 8;
+/// Ranks that are counted together, so that a far median is found in few steps.
 const GROUP: usize = 1 << 8;
-/// Rows that share one histogram; emptying it costs less than one of them.
-const BAND_ROWS: usize = 32;
+const WORD: usize = u64::BITS as usize;
 
 /// Takes out specks and keeps edges where they are.
 #[derive(Clone, Debug, Params)]
@@ -40,132 +49,248 @@ pub(crate) struct Clean {
 
 impl Node for MedianBlur {
     const KIND: &'static str = "median_blur";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Specked<'a>;
     type Outputs = Clean;
 
     fn run(&self, inputs: Specked<'_>, cx: &Context<'_>) -> Result<Clean, NodeError> {
-        let image = inputs.image;
-        let pixels = image.values.par_iter().map(|value| (*value, *value));
-        let (dark, bright) = pixels
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        if self.kernel == 1 || dark == bright {
-            return Ok(Clean { image: image.clone() });
-        }
-        let (low, range) = (f64::from(dark), f64::from(bright) - f64::from(dark));
-        let top = (LEVELS - 1) as f64;
-        let level = |value: &f32| ((f64::from(*value) - low) / range * top).round() as u16;
-        let levels: Vec<u16> = image.values.par_iter().map(level).collect();
-        let window = Window { levels: &levels, image, reach: self.kernel as usize / 2 };
-        let ticker = cx.ticker(image.height);
-        let mut values = vec![0.0; levels.len()];
-        let bands = values.par_chunks_mut(BAND_ROWS * image.width).enumerate();
-        let done = bands.try_for_each(|(band, out)| {
-            let mut histogram = Histogram::new();
-            for (row, out) in out.chunks_exact_mut(image.width).enumerate() {
-                window.slide(band * BAND_ROWS + row, &mut histogram, |x, median| {
-                    out[x] = (low + f64::from(median) / top * range) as f32;
-                });
-                if !ticker.tick(1) {
-                    return None;
-                }
-            }
-            Some(())
-        });
-        cx.completed(done)?;
-        Ok(Clean { image: GrayImage { width: image.width, height: image.height, values } })
-    }
-}
-
-/// The pixels that a median is taken of.
-struct Window<'a> {
-    levels: &'a [u16],
-    image: &'a GrayImage,
-    reach: usize,
-}
-
-impl Window<'_> {
-    /// Calls `found` with the median around every pixel of row `y`. The histogram is empty before and
-    /// after.
-    fn slide(&self, y: usize, histogram: &mut Histogram, mut found: impl FnMut(usize, u16)) {
-        let reach = self.reach as isize;
-        let hold = |i: isize, count: usize| i.clamp(0, count as isize - 1) as usize;
-        let rows: Vec<usize> = (-reach..=reach)
-            .map(|by| hold(y as isize + by, self.image.height) * self.image.width)
-            .collect();
-        let column = |x: isize| {
-            let x = hold(x, self.image.width);
-            rows.iter().map(move |row| self.levels[row + x])
+        let image = match self.kernel {
+            1 => inputs.image.clone(),
+            3 => small::<3, 9>(inputs.image, cx, median_of_9)?,
+            5 => small::<5, 25>(inputs.image, cx, median_of_25)?,
+            kernel => large(inputs.image, kernel as usize, cx)?,
         };
-        let half = rows.len() * rows.len() / 2;
-        (-reach..reach).for_each(|x| column(x).for_each(|level| histogram.add(level)));
-        for x in 0..self.image.width as isize {
-            column(x + reach).for_each(|level| histogram.add(level));
-            found(x as usize, histogram.median(half));
-            column(x - reach).for_each(|level| histogram.remove(level));
-        }
-        let last = self.image.width as isize;
-        (last - reach..last + reach)
-            .for_each(|x| column(x).for_each(|level| histogram.remove(level)));
+        Ok(Clean { image })
     }
 }
 
-/// How often each level occurs, and how many pixels lie below the last median. The widest window
-/// holds 9801 pixels, and small counts stay in the nearest caches.
-struct Histogram {
-    counts: Vec<u16>,
+/// The index of the `i`th of a line that is repeated `reach` times beyond both ends.
+fn hold(i: usize, reach: usize, count: usize) -> usize {
+    i.saturating_sub(reach).min(count - 1)
+}
+
+/// Medians of `SIDE` × `SIDE` = `COUNT` pixels.
+fn small<const SIDE: usize, const COUNT: usize>(
+    image: &GrayImage,
+    cx: &Context<'_>,
+    median: impl Fn([f32x8; COUNT]) -> f32x8 + Sync,
+) -> Result<GrayImage, NodeError> {
+    let (width, height, reach) = (image.width, image.height, SIDE / 2);
+    // To the right as far as the last pixels that are gone through at once.
+    let padded = width.next_multiple_of(LANES) + 2 * reach;
+    by_rows((width, height), cx, |y, out| {
+        let line = |k: usize| {
+            let row = &image.values[hold(y + k, reach, height) * width..][..width];
+            let mut line = vec![row[width - 1]; padded];
+            line[..reach].fill(row[0]);
+            line[reach..reach + width].copy_from_slice(row);
+            line
+        };
+        let lines: [Vec<f32>; SIDE] = from_fn(line);
+        for (k, out) in out.chunks_mut(LANES).enumerate() {
+            let pixels = |i: usize| f32x8::from(&lines[i / SIDE][k * LANES + i % SIDE..][..LANES]);
+            out.copy_from_slice(&median(from_fn(pixels)).to_array()[..out.len()]);
+        }
+    })
+}
+
+/// The medians of eight windows, the `i`th pixel of each in `window[i]`.
+fn median_of_9(mut window: [f32x8; 9]) -> f32x8 {
+    drop_extremes::<6, 9>(&mut window);
+    drop_extremes::<5, 9>(&mut window);
+    drop_extremes::<4, 9>(&mut window);
+    drop_extremes::<3, 9>(&mut window);
+    window[1]
+}
+
+/// The same of larger windows.
+fn median_of_25(mut window: [f32x8; 25]) -> f32x8 {
+    drop_extremes::<14, 25>(&mut window);
+    drop_extremes::<13, 25>(&mut window);
+    drop_extremes::<12, 25>(&mut window);
+    drop_extremes::<11, 25>(&mut window);
+    drop_extremes::<10, 25>(&mut window);
+    drop_extremes::<9, 25>(&mut window);
+    drop_extremes::<8, 25>(&mut window);
+    drop_extremes::<7, 25>(&mut window);
+    drop_extremes::<6, 25>(&mut window);
+    drop_extremes::<5, 25>(&mut window);
+    drop_extremes::<4, 25>(&mut window);
+    drop_extremes::<3, 25>(&mut window);
+    window[1]
+}
+
+/// Puts the least of the first `TAKEN` pixels first and the greatest last among them, then the next
+/// pixel in place of the least, so that one fewer are taken. `TAKEN` begins at one more than half of all
+/// `COUNT` and is known to the compiler, so that pixels stay in registers.
+#[inline(always)]
+fn drop_extremes<const TAKEN: usize, const COUNT: usize>(window: &mut [f32x8; COUNT]) {
+    let mut exchange = |first: usize, second: usize| {
+        let (a, b) = (window[first], window[second]);
+        (window[first], window[second]) = (a.fast_min(b), a.fast_max(b));
+    };
+    for i in 0..TAKEN / 2 {
+        exchange(i, TAKEN - 1 - i);
+    }
+    for i in 1..TAKEN.div_ceil(2) {
+        exchange(0, i);
+        exchange(TAKEN - 1 - i, TAKEN - 1);
+    }
+    if TAKEN > 3 {
+        window[0] = window[COUNT + 3 - TAKEN];
+    }
+}
+
+/// Medians of `side` × `side` pixels.
+fn large(image: &GrayImage, side: usize, cx: &Context<'_>) -> Result<GrayImage, NodeError> {
+    let (width, height) = (image.width, image.height);
+    let inner = TILE + 1 - side;
+    by_bands((width, height), inner, cx, |top, band| {
+        let rows = band.len() / width;
+        let mut window = Window::new();
+        for left in (0..width).step_by(inner) {
+            if cx.is_cancelled() {
+                return;
+            }
+            let columns = inner.min(width - left);
+            let tile = Tile::new(image, (left, top), (columns, rows), side);
+            window.slide(&tile, |x, y, median| band[y * width + left + x] = median);
+        }
+    })
+}
+
+/// A part of a picture, with the overhang of the windows around its pixels.
+struct Tile {
+    columns: usize,
+    rows: usize,
+    side: usize,
+    /// Row by row, overhang included.
+    ranks: Vec<u16>,
+    /// The value of each rank.
+    values: Vec<f32>,
+}
+
+impl Tile {
+    fn new(
+        image: &GrayImage,
+        (left, top): (usize, usize),
+        (columns, rows): (usize, usize),
+        side: usize,
+    ) -> Self {
+        let (wide, high) = (columns + side - 1, rows + side - 1);
+        let pixels = (0..high).flat_map(|y| {
+            let row = &image.values[hold(top + y, side / 2, image.height) * image.width..];
+            (0..wide).map(move |x| row[hold(left + x, side / 2, image.width)])
+        });
+        let values: Vec<f32> = pixels.collect();
+        let mut order: Vec<u64> = values
+            .iter()
+            .zip(0..)
+            .map(|(value, at)| u64::from(ordered(*value)) << 16 | at)
+            .collect();
+        order.sort_unstable();
+        let mut ranks = vec![0; values.len()];
+        let at = |key: &u64| (key & 0xffff) as usize;
+        order.iter().enumerate().for_each(|(rank, key)| ranks[at(key)] = rank as u16);
+        let values = order.iter().map(|key| values[at(key)]).collect();
+        Self { columns, rows, side, ranks, values }
+    }
+
+    fn rank(&self, x: usize, y: usize) -> usize {
+        usize::from(self.ranks[y * (self.columns + self.side - 1) + x])
+    }
+}
+
+/// A whole number that is ordered as the value is.
+fn ordered(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if value.is_sign_negative() { !bits } else { bits | 1 << 31 }
+}
+
+/// A set of ranks.
+struct Window {
+    /// One bit for each rank.
+    words: Vec<u64>,
+    /// Ranks in each group.
     groups: Vec<u16>,
-    median: usize,
-    below: usize,
+    /// The group in which the last median was, and how many ranks lie in the groups before.
+    group: usize,
+    before: usize,
 }
 
-impl Histogram {
+impl Window {
     fn new() -> Self {
-        Self { counts: vec![0; LEVELS], groups: vec![0; LEVELS / GROUP], median: 0, below: 0 }
+        let ranks = TILE * TILE;
+        Self { words: vec![0; ranks / WORD], groups: vec![0; ranks / GROUP], group: 0, before: 0 }
     }
 
-    fn add(&mut self, level: u16) {
-        let level = usize::from(level);
-        self.counts[level] += 1;
-        self.groups[level / GROUP] += 1;
-        self.below += usize::from(level < self.median);
-    }
-
-    fn remove(&mut self, level: u16) {
-        let level = usize::from(level);
-        self.counts[level] -= 1;
-        self.groups[level / GROUP] -= 1;
-        self.below -= usize::from(level < self.median);
-    }
-
-    /// The level that has `half` of the pixels below it or at it and before it.
-    fn median(&mut self, half: usize) -> u16 {
-        while self.below > half {
-            if self.median.is_multiple_of(GROUP)
-                && self.below - self.group(self.median / GROUP - 1) > half
-            {
-                self.below -= self.group(self.median / GROUP - 1);
-                self.median -= GROUP;
-            } else {
-                self.median -= 1;
-                self.below -= self.counts[self.median] as usize;
+    /// Calls `found` with the median around each pixel of a tile. The set is empty before and after.
+    fn slide(&mut self, tile: &Tile, mut found: impl FnMut(usize, usize, f32)) {
+        let (side, last) = (tile.side, tile.columns - 1);
+        let half = side * side / 2;
+        for y in 0..side {
+            (0..side).for_each(|x| self.add(tile.rank(x, y)));
+        }
+        for y in 0..tile.rows {
+            let to_the_right = y % 2 == 0;
+            for k in 0..=last {
+                let x = if to_the_right { k } else { last - k };
+                // The columns that leave and come as the window moves by one.
+                let change =
+                    if to_the_right { (x.wrapping_sub(1), x + side - 1) } else { (x + side, x) };
+                if k > 0 {
+                    (y..y + side).for_each(|y| self.remove(tile.rank(change.0, y)));
+                    (y..y + side).for_each(|y| self.add(tile.rank(change.1, y)));
+                } else if y > 0 {
+                    (x..x + side).for_each(|x| self.remove(tile.rank(x, y - 1)));
+                    (x..x + side).for_each(|x| self.add(tile.rank(x, y + side - 1)));
+                }
+                found(x, y, tile.values[self.nth(half)]);
             }
         }
-        while self.below + self.counts[self.median] as usize <= half {
-            if self.median.is_multiple_of(GROUP)
-                && self.below + self.group(self.median / GROUP) <= half
-            {
-                self.below += self.group(self.median / GROUP);
-                self.median += GROUP;
-            } else {
-                self.below += self.counts[self.median] as usize;
-                self.median += 1;
-            }
-        }
-        self.median as u16
+        self.clear();
     }
 
-    fn group(&self, group: usize) -> usize {
-        self.groups[group] as usize
+    fn add(&mut self, rank: usize) {
+        self.words[rank / WORD] |= 1 << (rank % WORD);
+        self.groups[rank / GROUP] += 1;
+        self.before += usize::from(rank / GROUP < self.group);
+    }
+
+    fn remove(&mut self, rank: usize) {
+        self.words[rank / WORD] &= !(1 << (rank % WORD));
+        self.groups[rank / GROUP] -= 1;
+        self.before -= usize::from(rank / GROUP < self.group);
+    }
+
+    fn clear(&mut self) {
+        self.words.fill(0);
+        self.groups.fill(0);
+        (self.group, self.before) = (0, 0);
+    }
+
+    /// The rank that has `count` others of the set before it.
+    fn nth(&mut self, count: usize) -> usize {
+        while self.before > count {
+            self.group -= 1;
+            self.before -= usize::from(self.groups[self.group]);
+        }
+        while self.before + usize::from(self.groups[self.group]) <= count {
+            self.before += usize::from(self.groups[self.group]);
+            self.group += 1;
+        }
+        let mut left = count - self.before;
+        let mut at = self.group * GROUP / WORD;
+        loop {
+            let ones = self.words[at].count_ones() as usize;
+            if left < ones {
+                break;
+            }
+            left -= ones;
+            at += 1;
+        }
+        let word = (0..left).fold(self.words[at], |word, _| word & (word - 1));
+        at * WORD + word.trailing_zeros() as usize
     }
 }
 
@@ -198,15 +323,48 @@ mod tests {
     #[test]
     fn medians_are_those_of_sorting_every_window() {
         let mut random = fastrand::Rng::with_seed(3);
-        for (width, height, kernel) in [(17, 70, 3), (1, 40, 5), (40, 1, 5), (9, 8, 7), (3, 2, 21)]
-        {
-            let values: Vec<f32> =
-                (0..width * height).map(|_| f32::from(random.u16(..)) / 65535.0).collect();
-            let found = blur(kernel, width, &values);
-            let near =
-                found.iter().zip(brute(kernel, width, &values)).all(|(a, b)| (a - b).abs() < 1e-5);
-            assert!(near, "{width} × {height}, {kernel}");
+        let sizes = [(17, 70), (1, 40), (40, 1), (9, 8), (3, 2), (1, 1), (300, 270)];
+        for (width, height) in sizes {
+            for kernel in [3, 5, 7, 11, 21] {
+                // Few levels, and values of any size and sign; the large picture is for windows of 7 px.
+                for levels in [3, u32::MAX] {
+                    if width == 300 && kernel != 7 {
+                        continue;
+                    }
+                    let mut value = |_| random.u32(..levels) as f32 - 1e9;
+                    let values: Vec<f32> = (0..width * height).map(&mut value).collect();
+                    let found = blur(kernel, width, &values);
+                    assert_eq!(
+                        found,
+                        brute(kernel, width, &values),
+                        "{width} × {height}, {kernel}"
+                    );
+                }
+            }
         }
+    }
+
+    #[test]
+    fn medians_are_those_of_opencv() {
+        // cv2.medianBlur of OpenCV 5.0.0, windows of 5 and 7 px.
+        let picture = |count: usize| -> Vec<f32> {
+            (0..count).map(|k| ((k * k * 7 + k * 13) % 97) as f32).collect()
+        };
+        #[rustfmt::skip]
+        let five = [
+             5., 13., 20., 46., 46., 46., 46., 24., 24., 44., 46., 46., 44., 44., 32., 46., 46., 46.,
+            46., 46., 46., 46., 49., 49., 49., 49., 49., 53., 32., 49., 49., 49., 49., 49., 53.,
+        ];
+        assert_eq!(blur(5, 7, &picture(35)), five);
+        #[rustfmt::skip]
+        let seven = [
+             5., 20., 25., 39., 46., 46., 46., 46., 46., 22., 32., 34., 46., 46., 46., 46., 46., 46.,
+            22., 34., 46., 49., 52., 52., 49., 49., 46., 34., 53., 52., 53., 54., 53., 52., 52., 46.,
+            54., 58., 56., 58., 59., 59., 59., 52., 29., 65., 65., 59., 59., 59., 59., 59., 56., 56.,
+            65., 65., 56., 52., 56., 56., 56., 56., 56., 68., 65., 65., 52., 52., 56., 56., 56., 56.,
+            73., 68., 59., 49., 49., 56., 56., 56., 56.,
+        ];
+        assert_eq!(blur(7, 9, &picture(81)), seven);
     }
 
     #[test]

@@ -16,7 +16,6 @@ mod median_blur;
 mod resize_image;
 mod rotate_image;
 mod rows;
-mod trace_mask;
 mod vignette;
 
 pub(crate) use bilateral_filter::BilateralFilter;
@@ -34,5 +33,4 @@ pub(crate) use load_image::{LoadImage, MAX_PIXELS};
 pub(crate) use median_blur::MedianBlur;
 pub(crate) use resize_image::ResizeImage;
 pub(crate) use rotate_image::RotateImage;
-pub(crate) use trace_mask::TraceMask;
 pub(crate) use vignette::Vignette;

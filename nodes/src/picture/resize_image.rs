@@ -1,21 +1,23 @@
 //! A picture made larger or smaller.
 //!
 //! Lanczos' kernel L(x) = sinc(x)·sinc(x/3) for |x| < 3 (C. Duchon, *Lanczos Filtering in One and Two
-//! Dimensions*, J. Appl. Meteor. 18, 1979), along x and then along y. When shrinking, the kernel is
+//! Dimensions*, J. Appl. Meteor. 18, 1979), along y and then along x. When shrinking, the kernel is
 //! stretched by the factor, so that every pixel counts by the area it has in the result and fine
 //! patterns do not turn into coarse ones. Weights of a pixel add up to 1; beyond the border the kernel
 //! is cut off. Lanczos overshoots at edges by some percent; the result is held within the range of
 //! the given picture, so that it gives no height that was not asked for.
 
-use super::rows::by_rows;
+use super::rows::{brighter, by_rows, darker, range, weighted_sum};
 use crate::picture::MAX_PIXELS;
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
-use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Half width of Lanczos' kernel, in pixels of the coarser picture.
 const LOBES: f64 = 3.0;
+
+/// Weights that are multiplied at once.
+const GROUP: usize = 8;
 
 /// Makes a picture larger or smaller, its proportions kept.
 #[derive(Clone, Debug, Params)]
@@ -39,6 +41,7 @@ pub(crate) struct Resized {
 
 impl Node for ResizeImage {
     const KIND: &'static str = "resize_image";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Given<'a>;
     type Outputs = Resized;
 
@@ -55,23 +58,19 @@ impl Node for ResizeImage {
             let message = format!("{width} × {height} px are asked for; the limit is {MAX_PIXELS}");
             return Err(NodeError::Refused { param: "longer_side", message });
         }
-        let range = image.values.par_iter().map(|value| (*value, *value));
-        let (dark, bright) = range
-            .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let across = taps(image.width, width);
-        let narrow = by_rows((width, image.height), cx, |y, row| {
-            let source = &image.values[y * image.width..][..image.width];
-            for (value, tap) in row.iter_mut().zip(&across) {
-                *value = tap.weights.iter().zip(&source[tap.first..]).map(|(w, s)| w * s).sum();
-            }
-        })?;
+        let (dark, bright) = range(image);
+        let across: Vec<Tap> = taps(image.width, width).into_iter().map(Tap::padded).collect();
         let down = taps(image.height, height);
         let image = by_rows((width, height), cx, |y, row| {
-            for (k, weight) in down[y].weights.iter().enumerate() {
-                let source = &narrow.values[(down[y].first + k) * width..][..width];
-                row.iter_mut().zip(source).for_each(|(value, source)| *value += weight * source);
+            let tap = &down[y];
+            let source = |k: usize| &image.values[(tap.first + k) * image.width..][..image.width];
+            let lines: Vec<&[f32]> = (0..tap.weights.len()).map(source).collect();
+            // Padded as the weights are.
+            let mut line = vec![0.0; image.width + GROUP];
+            weighted_sum(&lines, &tap.weights, &mut line[..image.width]);
+            for (value, tap) in row.iter_mut().zip(&across) {
+                *value = brighter(dark, darker(bright, tap.sum(&line)));
             }
-            row.iter_mut().for_each(|value| *value = value.clamp(dark, bright));
         })?;
         Ok(Resized { image })
     }
@@ -82,6 +81,27 @@ impl Node for ResizeImage {
 struct Tap {
     first: usize,
     weights: Vec<f32>,
+}
+
+impl Tap {
+    /// With weights of 0 added, to whole groups.
+    fn padded(mut self) -> Self {
+        self.weights.resize(self.weights.len().next_multiple_of(GROUP), 0.0);
+        self
+    }
+
+    /// The sum of pixels times weights along a line, in groups that the compiler makes vectors of.
+    fn sum(&self, line: &[f32]) -> f32 {
+        let (weights, _) = self.weights.as_chunks::<GROUP>();
+        let (values, _) = line[self.first..].as_chunks::<GROUP>();
+        let mut sums = [0.0; GROUP];
+        for (weights, values) in weights.iter().zip(values) {
+            for k in 0..GROUP {
+                sums[k] += weights[k] * values[k];
+            }
+        }
+        sums.iter().sum()
+    }
 }
 
 /// Those of every pixel along a line of `from` pixels that becomes one of `to`.

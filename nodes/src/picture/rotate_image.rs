@@ -6,10 +6,13 @@
 //! parabolas along a row or column. The turned picture is large enough to hold all of the given one;
 //! what lies outside of it is filled. Within a pixel of the border the edge pixel is repeated.
 
-use super::rows::by_rows;
+use super::rows::by_bands;
 use crate::picture::MAX_PIXELS;
 use crate::values::GrayImage;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
+
+/// Side of the squares that are turned at once: what they read stays in the nearest cache.
+const TILE: usize = 32;
 
 /// Turns a picture about its middle.
 #[derive(Clone, Debug, Params)]
@@ -36,6 +39,7 @@ pub(crate) struct Turned {
 
 impl Node for RotateImage {
     const KIND: &'static str = "rotate_image";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Upright<'a>;
     type Outputs = Turned;
 
@@ -52,16 +56,27 @@ impl Node for RotateImage {
 fn quarter_turns(image: &GrayImage, turns: i32, cx: &Context<'_>) -> Result<GrayImage, NodeError> {
     let (width, height) = (image.width, image.height);
     let pixel = |x: usize, y: usize| image.values[y * width + x];
-    let turns = turns.rem_euclid(4);
-    let size = if turns % 2 == 0 { (width, height) } else { (height, width) };
-    by_rows(size, cx, |y, row| {
-        for (x, value) in row.iter_mut().enumerate() {
-            *value = match turns {
-                0 => pixel(x, y),
-                1 => pixel(width - 1 - y, x),
-                2 => pixel(width - 1 - x, height - 1 - y),
-                _ => pixel(y, height - 1 - x),
-            };
+    match turns.rem_euclid(4) {
+        0 => Ok(image.clone()),
+        1 => by_tiles((height, width), cx, |x, y| pixel(width - 1 - y, x)),
+        2 => by_tiles((width, height), cx, |x, y| pixel(width - 1 - x, height - 1 - y)),
+        _ => by_tiles((height, width), cx, |x, y| pixel(y, height - 1 - x)),
+    }
+}
+
+/// The picture of that size whose pixels `pixel` makes, tile by tile: neighbours on all sides are read
+/// from places near each other, whichever way the picture is turned.
+fn by_tiles(
+    (width, height): (usize, usize),
+    cx: &Context<'_>,
+    pixel: impl Fn(usize, usize) -> f32 + Sync,
+) -> Result<GrayImage, NodeError> {
+    by_bands((width, height), TILE, cx, |top, band| {
+        for left in (0..width).step_by(TILE) {
+            for (k, row) in band.chunks_exact_mut(width).enumerate() {
+                let row = row[left..].iter_mut().take(TILE).enumerate();
+                row.for_each(|(i, value)| *value = pixel(left + i, top + k));
+            }
         }
     })
 }
@@ -77,40 +92,48 @@ impl RotateImage {
                 format!("turned, the picture has {wide} × {high} px; the limit is {MAX_PIXELS}");
             return Err(NodeError::Refused { param: "angle", message });
         }
-        by_rows((wide as usize, high as usize), cx, |y, row| {
-            let down = y as f64 + 0.5 - high / 2.0;
-            for (x, value) in row.iter_mut().enumerate() {
-                let right = x as f64 + 0.5 - wide / 2.0;
-                // y counts downwards, so this is the place before a counterclockwise turn.
-                let u = right * cos - down * sin + width / 2.0;
-                let v = right * sin + down * cos + height / 2.0;
-                let is_inside = (0.0..=width).contains(&u) && (0.0..=height).contains(&v);
-                *value =
-                    if is_inside { cubic(image, u - 0.5, v - 0.5) } else { self.backdrop as f32 };
-            }
+        let backdrop = self.backdrop as f32;
+        by_tiles((wide as usize, high as usize), cx, |x, y| {
+            let (right, down) = (x as f64 + 0.5 - wide / 2.0, y as f64 + 0.5 - high / 2.0);
+            // y counts downwards, so this is the place before a counterclockwise turn.
+            let u = right * cos - down * sin + width / 2.0;
+            let v = right * sin + down * cos + height / 2.0;
+            let is_inside = (0.0..=width).contains(&u) && (0.0..=height).contains(&v);
+            if is_inside { cubic(image, u, v) } else { backdrop }
         })
     }
 }
 
-/// The picture at a place between pixels; 0,0 is the middle of the first.
+/// The picture at a place between pixels; the middle of the first is at 0.5, 0.5.
 fn cubic(image: &GrayImage, u: f64, v: f64) -> f32 {
-    let (left, top) = (u.floor(), v.floor());
-    let (across, down) = (keys(u - left), keys(v - top));
-    let hold = |i: f64, k: usize, count: usize| {
-        (i + k as f64 - 1.0).clamp(0.0, (count - 1) as f64) as usize
+    // The second of the four pixels around the place along each side, and how far after it.
+    let split = |place: f64| {
+        let after = (place + 0.5) as u32;
+        (after as usize, (place + 0.5 - f64::from(after)) as f32)
     };
-    let columns = [0, 1, 2, 3].map(|k| hold(left, k, image.width));
-    let mut sum = 0.0;
-    for (k, weight) in down.iter().enumerate() {
-        let row = &image.values[hold(top, k, image.height) * image.width..];
-        let along = columns.iter().zip(&across).map(|(column, weight)| row[*column] * weight);
-        sum += weight * along.sum::<f32>();
+    let ((right, across), (below, down)) = (split(u), split(v));
+    let (across, down) = (keys(across), keys(down));
+    let (width, height) = (image.width, image.height);
+    let mut sums = [0.0; 4];
+    if right >= 2 && right + 1 < width && below >= 2 && below + 1 < height {
+        for (k, weight) in down.iter().enumerate() {
+            let row = &image.values[(below + k - 2) * width + right - 2..][..4];
+            sums.iter_mut().zip(row).for_each(|(sum, value)| *sum += weight * value);
+        }
+    } else {
+        let hold = |i: usize, count: usize| i.saturating_sub(2).min(count - 1);
+        for (k, weight) in down.iter().enumerate() {
+            let row = &image.values[hold(below + k, height) * width..];
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum += weight * row[hold(right + i, width)];
+            }
+        }
     }
-    sum
+    sums.iter().zip(across).map(|(sum, weight)| sum * weight).sum()
 }
 
 /// The weights of the four pixels around a place, `t` after the second.
-fn keys(t: f64) -> [f32; 4] {
+fn keys(t: f32) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [
         -0.5 * t3 + t2 - 0.5 * t,
@@ -118,7 +141,6 @@ fn keys(t: f64) -> [f32; 4] {
         -1.5 * t3 + 2.0 * t2 + 0.5 * t,
         0.5 * t3 - 0.5 * t2,
     ]
-    .map(|weight| weight as f32)
 }
 
 #[cfg(test)]

@@ -199,7 +199,7 @@ fn wrong_calls_are_refused() {
     assert_wrong(&["run", "relief", "--set", "diameter"], &["write NAME=VALUE"]);
     assert_wrong(&["run", "relief", "--set", "=6"], &["write NAME=VALUE"]);
     assert_wrong(&["run", "relief", "--only", "savegcode"], &["did you mean \"save_gcode\"?"]);
-    assert_wrong(&["run", "releif"], &["did you mean \"relief\"?", "Built in are depth_map, "]);
+    assert_wrong(&["run", "releif"], &["did you mean \"relief\"?", "Built in are bas_relief, "]);
 }
 
 #[test]

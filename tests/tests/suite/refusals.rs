@@ -209,7 +209,7 @@ const SLIPS: [Slip; 22] = [
     slip(
         "\"points\": (kind",
         "\"gray\": (kind",
-        &["duplicate key \"gray\"; the first is on line 38", "44 | "],
+        &["duplicate key \"gray\"; the first is on line 38", "45 | "],
     ),
     slip("\"kernel\": 5", "\"kernel\": [5]", &["kernel must be a number, ", ", not a list"]),
     slip(

@@ -1,11 +1,12 @@
-//! A mask becomes an outline: what is brighter than a level in a picture, laid over a part.
+//! A mask becomes an outline, laid over a part.
 //!
-//! The middles of the picture's outermost pixels come to lie on the border of the area, its top row on the
-//! far side, as `z_map` lays them: a mask of the size of the picture fits it to the bit, one of another
-//! size to half of its pixel. Outlines run between pixels ([`trace_level`]); what is open at the
-//! picture's border is closed along it.
+//! The middles of the mask's outermost pixels come to lie on the border of the area, its top row on the
+//! far side, as `z_map` lays a picture: a mask of the size of the picture fits it to the bit, one of another
+//! size to half of its pixel. Inside is what the mask selects by half or more; outlines run between pixels,
+//! where the share is a half ([`trace_level`]). What is open at the mask's border is closed along it.
 
-use crate::values::GrayImage;
+use super::SELECTED;
+use crate::values::Mask;
 use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{
     Bounds, DVec2, Polygon, PolygonError, TraceError, simplify_loop, trace_level,
@@ -16,13 +17,10 @@ use rayon::prelude::*;
 /// pixel on either side of 50.
 const MOST_STRETCH: f64 = 0.02;
 
-/// Traces what is bright in a picture as an outline over a part, to keep passes within it.
+/// Traces a mask as an outline over a part, to keep passes within it.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct TraceMask {
-    /// Brightness from which on a pixel is inside.
-    #[param(default = 0.5, range = 0.0..=1.0)]
-    pub(crate) threshold: f64,
-    /// Whether what is dark is inside instead.
+    /// Whether what the mask leaves out is inside instead.
     #[param(default = false)]
     pub(crate) invert: bool,
     /// How far the outline may run beside its exact place, to have fewer corners.
@@ -31,26 +29,27 @@ pub(crate) struct TraceMask {
 }
 
 #[derive(Inputs)]
-pub(crate) struct Mask<'a> {
+pub(crate) struct Laid<'a> {
     /// The mask.
-    image: &'a GrayImage,
+    mask: &'a Mask,
     /// The box of the part that the mask is laid over.
     area: &'a Bounds,
 }
 
 #[derive(Outputs)]
 pub(crate) struct Traced {
-    /// The outline of what is bright.
+    /// The outline of what is selected.
     polygon: Polygon,
 }
 
 impl Node for TraceMask {
     const KIND: &'static str = "trace_mask";
-    type Inputs<'a> = Mask<'a>;
+    const VERSION: u32 = 2;
+    type Inputs<'a> = Laid<'a>;
     type Outputs = Traced;
 
-    fn run(&self, Mask { image, area }: Mask<'_>, cx: &Context<'_>) -> Result<Traced, NodeError> {
-        let (columns, rows) = (image.width, image.height);
+    fn run(&self, Laid { mask, area }: Laid<'_>, cx: &Context<'_>) -> Result<Traced, NodeError> {
+        let (columns, rows) = (mask.width, mask.height);
         if columns < 2 || rows < 2 {
             return Err(NodeError::failed(format!(
                 "a mask of {columns} × {rows} px has no inside: it needs 2 × 2 px at least"
@@ -66,7 +65,7 @@ impl Node for TraceMask {
                 area.size().x, area.size().y, pitch_mm.x, pitch_mm.y
             ));
         }
-        let loops = self.loops(image, cx)?;
+        let loops = self.loops(mask, cx)?;
         let place =
             |p: &DVec2| DVec2::new(area.min.x + p.x * pitch_mm.x, area.max.y - p.y * pitch_mm.y);
         let loops = loops.iter().map(|corners| corners.iter().map(place).collect()).collect();
@@ -76,15 +75,18 @@ impl Node for TraceMask {
 
 impl TraceMask {
     /// Loops in pixels, as far as they have an inside.
-    fn loops(&self, image: &GrayImage, cx: &Context<'_>) -> Result<Vec<Vec<DVec2>>, NodeError> {
-        let (mut level, mut values) = (self.threshold as f32, &image.values);
-        let negative: Vec<f32>;
-        if self.invert {
-            negative = values.par_iter().map(|value| -value).collect();
-            (level, values) = (-level, &negative);
-        }
-        let ticker = cx.ticker(image.height + 1);
-        let traced = trace_level(image.width, values, level, &|rows| ticker.tick(rows));
+    fn loops(&self, mask: &Mask, cx: &Context<'_>) -> Result<Vec<Vec<DVec2>>, NodeError> {
+        let ticker = cx.ticker(mask.height + 1);
+        let trace = |values: &[f32], level: f32| {
+            trace_level(mask.width, values, level, &|rows| ticker.tick(rows))
+        };
+        let traced = if self.invert {
+            let rest: Vec<f32> = mask.values.par_iter().map(|share| -share).collect();
+            trace(&rest, -SELECTED)
+        } else {
+            // Inside is what lies above, and a share of just a half is to be.
+            trace(&mask.values, SELECTED.next_down())
+        };
         let mut loops = traced.map_err(|fault| match fault {
             TraceError::Stopped => NodeError::Cancelled,
             TraceError::TooLong => too_intricate(&fault),
@@ -96,11 +98,12 @@ impl TraceMask {
 
     fn outline(&self, loops: Vec<Vec<DVec2>>) -> Result<Polygon, NodeError> {
         Polygon::new(loops).map_err(|fault| match fault {
-            PolygonError::Empty => NodeError::failed(format!(
-                "nothing of the mask is {} than {}: set threshold or invert",
-                if self.invert { "darker" } else { "brighter" },
-                self.threshold
-            )),
+            PolygonError::Empty if self.invert => {
+                NodeError::failed("the mask leaves nothing out: take another one, or unset invert")
+            }
+            PolygonError::Empty => {
+                NodeError::failed("the mask selects nothing: take another one, or set invert")
+            }
             PolygonError::TooManyCorners { .. } => too_intricate(&fault),
             fault => NodeError::failed(fault),
         })
@@ -108,7 +111,7 @@ impl TraceMask {
 }
 
 fn too_intricate(fault: &dyn std::error::Error) -> NodeError {
-    NodeError::failed(format!("{fault}: blur the mask first, or raise tolerance"))
+    NodeError::failed(format!("{fault}: take a smoother mask, or raise tolerance"))
 }
 
 #[cfg(test)]
@@ -117,14 +120,14 @@ mod tests {
     use crate::testing::run;
     use carvegraph_geometry::DVec3;
 
-    const NODE: TraceMask = TraceMask { threshold: 0.5, invert: false, tolerance: 0.05 };
+    const NODE: TraceMask = TraceMask { invert: false, tolerance: 0.05 };
 
     /// Traces a mask over an area of 100 × 50 mm from (10, 20).
     fn traced(node: &TraceMask, width: usize, values: &[f32]) -> Result<Polygon, String> {
-        let image = GrayImage { width, height: values.len() / width, values: values.to_vec() };
+        let mask = Mask { width, height: values.len() / width, values: values.to_vec() };
         let min = DVec3::new(10.0, 20.0, 0.0);
         let area = Bounds { min, max: min + DVec3::new(100.0, 50.0, 5.0) };
-        let traced = run(|cx| node.run(Mask { image: &image, area: &area }, cx));
+        let traced = run(|cx| node.run(Laid { mask: &mask, area: &area }, cx));
         traced.map(|traced| traced.polygon).map_err(|fault| fault.to_string())
     }
 
@@ -134,7 +137,7 @@ mod tests {
         [low.unwrap().to_array(), high.unwrap().to_array()]
     }
 
-    /// Pixels of 10 mm; the upper left quarter is bright.
+    /// Pixels of 10 mm; the upper left quarter is selected.
     fn corner() -> Vec<f32> {
         (0..66).map(|k| if k % 11 <= 5 && k / 11 <= 2 { 1.0 } else { 0.0 }).collect()
     }
@@ -142,8 +145,11 @@ mod tests {
     #[test]
     fn the_top_row_is_far_and_pixels_lie_as_z_map_lays_them() {
         let polygon = traced(&NODE, 11, &corner()).unwrap();
-        // Half a pixel beyond the last bright ones: 5.5 and 2.5 pixels from the far left corner.
-        assert_eq!(extent(&polygon), [[10.0, 70.0 - 25.0], [10.0 + 55.0, 70.0]]);
+        // Half a pixel beyond the last selected ones: 5.5 and 2.5 pixels from the far left corner.
+        let wanted = [[10.0, 70.0 - 25.0], [10.0 + 55.0, 70.0]];
+        let off =
+            extent(&polygon).into_iter().zip(wanted).map(|(a, b)| DVec2::from(a) - DVec2::from(b));
+        assert!(off.map(DVec2::length).fold(0.0, f64::max) < 1e-5, "{:?}", extent(&polygon));
     }
 
     #[test]
@@ -153,21 +159,33 @@ mod tests {
         let whole = traced(&NODE, 11, &[1.0; 66]).unwrap();
         assert_eq!((whole.loops().len(), whole.corners()), (1, 4));
         assert!(
-            traced(&NODE, 11, &corner()).unwrap().and(&rest).is_none_or(|p| p.area_mm2() < 1e-9)
+            traced(&NODE, 11, &corner()).unwrap().and(&rest).is_none_or(|p| p.area_mm2() < 1e-4)
         );
-        assert!((rest.area_mm2().abs() + 55.0 * 25.0 - 12.5 - 5000.0).abs() < 1e-6);
+        assert!((rest.area_mm2().abs() + 55.0 * 25.0 - 12.5 - 5000.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_share_of_half_is_inside() {
+        let half: Vec<f32> = corner().iter().map(|share| 0.5 * share).collect();
+        let polygon = traced(&NODE, 11, &half).unwrap();
+        let [low, high] = extent(&polygon);
+        // The outline runs through the middles of the pixels that just reach it.
+        let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3);
+        assert!(near(low, [10.0, 50.0]) && near(high, [60.0, 70.0]), "{low:?} {high:?}");
+        let less: Vec<f32> = corner().iter().map(|share| 0.49 * share).collect();
+        assert!(traced(&NODE, 11, &less).is_err());
     }
 
     #[test]
     fn masks_without_an_inside_or_with_too_much_outline_are_told() {
         let none = traced(&NODE, 11, &[0.0; 66]).unwrap_err();
-        assert_eq!(none, "nothing of the mask is brighter than 0.5: set threshold or invert");
+        assert_eq!(none, "the mask selects nothing: take another one, or set invert");
         let none = traced(&TraceMask { invert: true, ..NODE }, 11, &[1.0; 66]).unwrap_err();
-        assert_eq!(none, "nothing of the mask is darker than 0.5: set threshold or invert");
+        assert_eq!(none, "the mask leaves nothing out: take another one, or unset invert");
         assert!(traced(&NODE, 1, &[0.0; 6]).unwrap_err().contains("2 × 2 px at least"));
         let chess: Vec<f32> = (0..501 * 501).map(|k| (k % 2) as f32).collect();
         let noise = traced(&NODE, 501, &chess).unwrap_err();
-        assert!(noise.contains("corners; the limit is 100000: blur the mask first"), "{noise}");
+        assert!(noise.contains("corners; the limit is 100000: take a smoother mask"), "{noise}");
     }
 
     #[test]
