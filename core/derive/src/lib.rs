@@ -3,7 +3,8 @@
 //! * `Params`: each field is a parameter. Its doc comment is its description;
 //!   `#[param(default = …, unit = "mm", range = 0.1..=50.0, odd, catalog = "dialect")]` the rest.
 //!   A field without `default` must be set by the recipe. A field with `entry_of = "…"` and nothing
-//!   else holds the parameters of the catalog entry that the named field chose.
+//!   else holds the parameters of the catalog entry that the named field chose. A field with `shared`
+//!   and nothing else holds parameters that several nodes have, declared by a `Params` struct of their own.
 //! * `Choice`: an enum of unit variants that a parameter chooses from, spelled in `snake_case`.
 //! * `Inputs`: a struct of `&'a T` (wanted) and `Option<&'a T>` (optional) fields, one a port.
 //! * `Outputs`: a struct of owned values, one a port.
@@ -159,8 +160,10 @@ mod tests {
         field(parse_quote!(#[param(range = 0.1..)]), "");
         field(parse_quote!(#[param(range = ..=2)]), "");
         field(parse_quote!(#[other(whatever)]), "");
+        field(parse_quote!(#[param(shared)]), "");
+        field(parse_quote!(#[param(shared, unit = "mm")]), "shared stands alone");
         field(parse_quote!(#[param(range = 0.0..2.0)]), "write ..=, the last value is allowed");
-        let known = "unknown: default, unit, range, odd, catalog or entry_of";
+        let known = "unknown: default, unit, range, odd, catalog, entry_of or shared";
         field(parse_quote!(#[param(units = "mm")]), known);
     }
 

@@ -14,6 +14,15 @@ struct Attributes {
     odd: bool,
     catalog: Option<LitStr>,
     entry_of: Option<LitStr>,
+    shared: bool,
+}
+
+impl Attributes {
+    /// Whether nothing is said of a single parameter.
+    fn is_plain(&self) -> bool {
+        let Self { default, unit, range, odd, catalog, .. } = self;
+        default.is_none() && unit.is_none() && range.is_none() && !odd && catalog.is_none()
+    }
 }
 
 /// A field of the struct and what its attributes say.
@@ -30,13 +39,21 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
     let params = fields.into_iter().map(read).collect::<syn::Result<Vec<_>>>()?;
     for param in &params {
         check_entry_of(param, &params)?;
+        check_shared(param)?;
     }
     let own = params.iter().filter(|param| param.attributes.entry_of.is_none());
-    let specs = own.map(|param| spec(param, &params)).collect::<syn::Result<Vec<_>>>()?;
+    let specs = own.map(|param| match param.attributes.shared {
+        true => Ok(shared_specs(param)),
+        false => spec(param, &params).map(|spec| quote!(specs.push(#spec);)),
+    });
+    let specs = specs.collect::<syn::Result<Vec<_>>>()?;
     let reads = params.iter().map(|param| {
         let (ident, key) = (&param.field.ident, &param.key);
         match &param.attributes.entry_of {
             Some(chooser) => quote!(#ident: values.of_entry(#chooser)),
+            None if param.attributes.shared => {
+                quote!(#ident: ::carvegraph_core::Params::from_values(values))
+            }
             None => quote!(#ident: ::carvegraph_core::ParamField::from_values(values, #key)),
         }
     });
@@ -44,7 +61,10 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<Tokens> {
         impl ::carvegraph_core::Params for #name {
             fn about() -> &'static str { #about }
             fn specs() -> ::std::vec::Vec<::carvegraph_core::ParamSpec> {
-                ::std::vec![#(#specs),*]
+                #[allow(unused_mut, reason = "a node may have no parameters")]
+                let mut specs = ::std::vec::Vec::new();
+                #(#specs)*
+                specs
             }
             fn from_values(values: &::carvegraph_core::ParamValues) -> Self {
                 let _ = values;
@@ -62,19 +82,31 @@ fn read(field: &Field) -> syn::Result<Param<'_>> {
 /// A field that takes the parameters of an entry has a field that chooses the entry, and says
 /// nothing else, since all else is said by the entry.
 fn check_entry_of(param: &Param<'_>, params: &[Param<'_>]) -> syn::Result<()> {
-    let Attributes { default, unit, range, odd, catalog, entry_of } = &param.attributes;
-    let Some(chooser) = entry_of else { return Ok(()) };
-    let is_plain =
-        default.is_none() && unit.is_none() && range.is_none() && !odd && catalog.is_none();
+    let Some(chooser) = &param.attributes.entry_of else { return Ok(()) };
     let is_chooser =
         |param: &Param<'_>| param.key == chooser.value() && param.attributes.catalog.is_some();
     match () {
-        () if !is_plain => Err(syn::Error::new_spanned(param.field, "entry_of stands alone")),
+        () if !param.attributes.is_plain() || param.attributes.shared => {
+            Err(syn::Error::new_spanned(param.field, "entry_of stands alone"))
+        }
         () if !params.iter().any(is_chooser) => {
             Err(syn::Error::new_spanned(chooser, "entry_of names a field with a catalog"))
         }
         () => required_docs(&param.field.attrs, param.field).map(drop),
     }
+}
+
+/// A field of shared parameters says nothing else: the struct that declares them does.
+fn check_shared(param: &Param<'_>) -> syn::Result<()> {
+    match param.attributes.shared && !param.attributes.is_plain() {
+        true => Err(syn::Error::new_spanned(param.field, "shared stands alone")),
+        false => Ok(()),
+    }
+}
+
+fn shared_specs(param: &Param<'_>) -> Tokens {
+    let ty = &param.field.ty;
+    quote!(specs.extend(<#ty as ::carvegraph_core::Params>::specs());)
 }
 
 fn spec(param: &Param<'_>, params: &[Param<'_>]) -> syn::Result<Tokens> {
@@ -132,8 +164,11 @@ fn read_attributes(field: &Field) -> syn::Result<Attributes> {
                 attributes.entry_of = Some(meta.value()?.parse()?);
             } else if meta.path.is_ident("odd") {
                 attributes.odd = true;
+            } else if meta.path.is_ident("shared") {
+                attributes.shared = true;
             } else {
-                return Err(meta.error("unknown: default, unit, range, odd, catalog or entry_of"));
+                let known = "unknown: default, unit, range, odd, catalog, entry_of or shared";
+                return Err(meta.error(known));
             }
             Ok(())
         })?;

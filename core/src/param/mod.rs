@@ -176,6 +176,32 @@ pub struct ParamHints {
 ///     measures: EntryParams,
 /// }
 /// ```
+///
+/// What several nodes have in common is declared once, and is a plain field of each in recipes:
+///
+/// ```
+/// # use carvegraph_core::Params;
+/// /// Distances of passes.
+/// #[derive(Params)]
+/// struct Pace {
+///     /// Distance between neighbouring passes.
+///     #[param(unit = "mm", default = 0.3)]
+///     stepover: f64,
+/// }
+///
+/// /// Lays passes in rings.
+/// #[derive(Params)]
+/// struct Rings {
+///     #[param(shared)]
+///     pace: Pace,
+///     /// Where they begin.
+///     #[param(unit = "mm", default = 0.0)]
+///     x: f64,
+/// }
+///
+/// let names: Vec<_> = Rings::specs().iter().map(|spec| spec.name).collect();
+/// assert_eq!(names, ["stepover", "x"]);
+/// ```
 pub trait Params: Sized {
     /// What the node does, from the struct's doc comment.
     fn about() -> &'static str;

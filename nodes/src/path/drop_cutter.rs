@@ -7,9 +7,9 @@
 //! (section 4.2). The heights are exact for every cutter, see
 //! [`geometry::DropCutter`].
 
-use super::dropping::{Limits, dropped};
+use super::dropping::{Tip, dropped};
 use crate::values::Remark;
-use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
+use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{self as geometry, Against, Cutter, HeightField, Pattern, Toolpath};
 
 /// The largest pitch at which points are dense, as a share of the cutter's radius.
@@ -21,17 +21,8 @@ pub(crate) struct DropCutter {
     /// What the cutter is dropped on.
     #[param(default = Surface::Auto)]
     pub(crate) against: Surface,
-    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
-    /// the lowest place of the surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) floor: Yielding<f64>,
-    /// What is left on the surface: no point of the cutter comes closer.
-    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
-    pub(crate) allowance: f64,
-    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
-    /// 0 puts in none, as the source does.
-    #[param(unit = "mm", default = 0.0, range = 0.0..=10.0)]
-    pub(crate) chord_tolerance: f64,
+    #[param(shared)]
+    pub(crate) tip: Tip,
 }
 
 /// What a cutter is dropped on.
@@ -73,12 +64,7 @@ impl Node for DropCutter {
         let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.radius_mm());
         cx.note(&text);
         let surface = geometry::Surface::Field(surface, against);
-        let limits = Limits {
-            allowance_mm: self.allowance,
-            floor: &self.floor,
-            chord_tolerance_mm: self.chord_tolerance,
-        };
-        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
+        let toolpath = dropped(surface, cutter, pattern, &self.tip, cx)?;
         Ok(Dropped { toolpath, choice: Remark { text } })
     }
 }
@@ -113,15 +99,16 @@ impl DropCutter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use carvegraph_core::Yielding;
+
+    fn against(against: Surface) -> DropCutter {
+        let tip = Tip { floor: Yielding::left(0.0), allowance: 0.0, chord_tolerance: 0.0 };
+        DropCutter { against, tip }
+    }
 
     #[test]
     fn auto_follows_the_fifth_of_the_radius() {
-        let auto = DropCutter {
-            against: Surface::Auto,
-            floor: Yielding::left(0.0),
-            allowance: 0.0,
-            chord_tolerance: 0.0,
-        };
+        let auto = against(Surface::Auto);
         assert_eq!(auto.choose(0.6, 3.0).0, Against::Points);
         assert_eq!(auto.choose(0.6000001, 3.0).0, Against::Mesh);
         assert!(
@@ -131,19 +118,7 @@ mod tests {
 
     #[test]
     fn a_set_surface_is_taken_as_it_is() {
-        let points = DropCutter {
-            against: Surface::Points,
-            floor: Yielding::left(0.0),
-            allowance: 0.0,
-            chord_tolerance: 0.0,
-        };
-        assert_eq!(points.choose(5.0, 3.0).0, Against::Points);
-        let mesh = DropCutter {
-            against: Surface::Mesh,
-            floor: Yielding::left(0.0),
-            allowance: 0.0,
-            chord_tolerance: 0.0,
-        };
-        assert_eq!(mesh.choose(0.01, 3.0).0, Against::Mesh);
+        assert_eq!(against(Surface::Points).choose(5.0, 3.0).0, Against::Points);
+        assert_eq!(against(Surface::Mesh).choose(0.01, 3.0).0, Against::Mesh);
     }
 }

@@ -6,24 +6,15 @@
 //! [`carvegraph_geometry::DropCutter`]. For a surface with one height above each node of a grid,
 //! `drop_cutter` does the same without triangles.
 
-use super::dropping::{Limits, dropped};
-use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
+use super::dropping::{Tip, dropped};
+use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{Cutter, Mesh, Pattern, Surface, Toolpath};
 
 /// Lowers the cutter onto a mesh at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct DropOnMesh {
-    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
-    /// the lowest place of the surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) floor: Yielding<f64>,
-    /// What is left on the surface: no point of the cutter comes closer.
-    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
-    pub(crate) allowance: f64,
-    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
-    /// 0 puts in none.
-    #[param(unit = "mm", default = 0.01, range = 0.0..=10.0)]
-    pub(crate) chord_tolerance: f64,
+    #[param(shared)]
+    pub(crate) tip: Tip,
 }
 
 #[derive(Inputs)]
@@ -50,12 +41,7 @@ impl Node for DropOnMesh {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { mesh, cutter, pattern } = inputs;
         let surface = Surface::Mesh(mesh);
-        let limits = Limits {
-            allowance_mm: self.allowance,
-            floor: &self.floor,
-            chord_tolerance_mm: self.chord_tolerance,
-        };
-        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
+        let toolpath = dropped(surface, cutter, pattern, &self.tip, cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -64,6 +50,7 @@ impl Node for DropOnMesh {
 mod tests {
     use super::*;
     use crate::testing::run;
+    use carvegraph_core::Yielding;
     use carvegraph_geometry::{ContactKind, DVec2, DVec3, PatternSpan, Profile};
     use std::sync::Arc;
 
@@ -74,8 +61,9 @@ mod tests {
         let points = vec![DVec2::splat(3.0), DVec2::splat(30.0)];
         let spans = vec![PatternSpan { points: 0..2, link: false, joined: false }];
         let pattern = Pattern { points, spans };
-        let node =
-            DropOnMesh { floor: Yielding::given(-5.0), allowance: 0.0, chord_tolerance: 0.0 };
+        let node = DropOnMesh {
+            tip: Tip { floor: Yielding::given(-5.0), allowance: 0.0, chord_tolerance: 0.0 },
+        };
         run(|cx| node.run(Dropping { mesh: &mesh, cutter: &cutter, pattern: &pattern }, cx))
     }
 

@@ -5,24 +5,15 @@
 //! (Sood 2015, section 4.2). Elsewhere the cutter sinks between them. The heights are exact for every
 //! cutter, see [`carvegraph_geometry::DropCutter`].
 
-use super::dropping::{Limits, dropped};
-use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params, Yielding};
+use super::dropping::{Tip, dropped};
+use carvegraph_core::{Context, Inputs, Node, NodeError, Outputs, Params};
 use carvegraph_geometry::{Cutter, Pattern, PointCloud, Surface, Toolpath};
 
 /// Lowers the cutter onto points at every point of a pattern. The path is that of the tip.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct DropOnPoints {
-    /// The tip goes no lower, and is there where nothing lies under the cutter. If it is not set, that is
-    /// the lowest place of the surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) floor: Yielding<f64>,
-    /// What is left on the surface: no point of the cutter comes closer.
-    #[param(unit = "mm", default = 0.0, range = 0.0..=50.0)]
-    pub(crate) allowance: f64,
-    /// How far the cutter may be off between two points: where the path bends by more, points are put in.
-    /// 0 puts in none.
-    #[param(unit = "mm", default = 0.01, range = 0.0..=10.0)]
-    pub(crate) chord_tolerance: f64,
+    #[param(shared)]
+    pub(crate) tip: Tip,
 }
 
 #[derive(Inputs)]
@@ -49,12 +40,7 @@ impl Node for DropOnPoints {
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { points, cutter, pattern } = inputs;
         let surface = Surface::Points(points);
-        let limits = Limits {
-            allowance_mm: self.allowance,
-            floor: &self.floor,
-            chord_tolerance_mm: self.chord_tolerance,
-        };
-        let toolpath = dropped(surface, cutter, pattern, limits, cx)?;
+        let toolpath = dropped(surface, cutter, pattern, &self.tip, cx)?;
         Ok(Dropped { toolpath })
     }
 }
@@ -63,6 +49,7 @@ impl Node for DropOnPoints {
 mod tests {
     use super::*;
     use crate::testing::run;
+    use carvegraph_core::Yielding;
     use carvegraph_geometry::{Contact, ContactKind, DVec2, DVec3, PatternSpan, Profile};
     use std::sync::Arc;
 
@@ -76,8 +63,10 @@ mod tests {
         let pattern = Pattern { points: vec![DVec2::ZERO, DVec2::splat(9.0)], spans };
         let inputs = Dropping { points: &points, cutter: &cutter, pattern: &pattern };
         let path = run(|cx| {
-            DropOnPoints { floor: Yielding::given(-1.0), allowance: 0.0, chord_tolerance: 0.0 }
-                .run(inputs, cx)
+            DropOnPoints {
+                tip: Tip { floor: Yielding::given(-1.0), allowance: 0.0, chord_tolerance: 0.0 },
+            }
+            .run(inputs, cx)
         })
         .unwrap()
         .toolpath;

@@ -283,7 +283,7 @@ fn names_that_lead_out_of_the_output_folder() {
             &bench,
             &["mine.ron"],
             2,
-            &["node \"preview_path\": name: ", "mine.ron:83:"],
+            &["node \"preview_path\": name: ", "mine.ron:84:"],
         );
     }
 }
