@@ -6,15 +6,19 @@
 //! last. The picture's top row is the far edge (greatest y).
 
 use crate::values::GrayImage;
-use carvegraph_core::{Context, NodeError};
+use carvegraph_core::{Context, NodeError, Params};
 use carvegraph_geometry::HeightField;
 use rayon::prelude::*;
 
-/// The room that a picture may take, in mm.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Canvas {
-    pub(super) width_mm: f64,
-    pub(super) height_mm: f64,
+/// The room that a picture may take.
+#[derive(Clone, Copy, Debug, Params)]
+pub(crate) struct Canvas {
+    /// Width that the picture may take (x).
+    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
+    pub(crate) canvas_width: f64,
+    /// Height that the picture may take (y).
+    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
+    pub(crate) canvas_height: f64,
 }
 
 impl Canvas {
@@ -44,7 +48,7 @@ impl Canvas {
                 ticker.tick(1).then_some(())
             })
             .ok_or(NodeError::Cancelled)?;
-        let pitch = (self.width_mm / columns as f64).min(self.height_mm / rows as f64);
+        let pitch = (self.canvas_width / columns as f64).min(self.canvas_height / rows as f64);
         HeightField::new(columns, rows, pitch, heights).map_err(NodeError::failed)
     }
 }

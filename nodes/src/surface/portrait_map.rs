@@ -22,12 +22,8 @@ use carvegraph_geometry::{Bounds, HeightField};
 /// Turns brightness into height as z_map does, with the portrait raised above what lies behind it.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct PortraitMap {
-    /// Width that the picture may take (x).
-    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
-    pub(crate) canvas_width: f64,
-    /// Height that the picture may take (y).
-    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
-    pub(crate) canvas_height: f64,
+    #[param(shared)]
+    pub(crate) canvas: Canvas,
     /// Height of the darkest pixel.
     #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
     pub(crate) z_min: f64,
@@ -114,8 +110,7 @@ impl Node for PortraitMap {
             let below = if spread == 0.0 { self.z_min } else { below + self.z_min };
             share * above + (1.0 - share) * below
         };
-        let canvas = Canvas { width_mm: self.canvas_width, height_mm: self.canvas_height };
-        let surface = canvas.surface(image, height_of, cx)?;
+        let surface = self.canvas.surface(image, height_of, cx)?;
         let bounds = surface.bounds();
         Ok(Mapped { surface, bounds })
     }
@@ -128,8 +123,7 @@ mod tests {
 
     fn node(background: Background) -> PortraitMap {
         PortraitMap {
-            canvas_width: 203.0,
-            canvas_height: 203.0,
+            canvas: Canvas { canvas_width: 203.0, canvas_height: 203.0 },
             z_min: 0.0,
             z_max: 5.0,
             background,

@@ -12,12 +12,8 @@ use carvegraph_geometry::{Bounds, HeightField};
 /// Turns brightness into height and fits the picture to a canvas.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct ZMap {
-    /// Width that the picture may take (x).
-    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
-    pub(crate) canvas_width: f64,
-    /// Height that the picture may take (y).
-    #[param(unit = "mm", default = 203.0, range = 0.1..=10_000.0)]
-    pub(crate) canvas_height: f64,
+    #[param(shared)]
+    pub(crate) canvas: Canvas,
     /// Height of the darkest pixel.
     #[param(unit = "mm", default = 0.0, range = -1000.0..=1000.0)]
     pub(crate) z_min: f64,
@@ -58,8 +54,7 @@ impl Node for ZMap {
         let span = Span::of(image, |_| true);
         let scale = span.scale(self.z_min, self.z_max);
         let height_of = |_, value: f64| (value - span.dark) * scale + self.z_min;
-        let canvas = Canvas { width_mm: self.canvas_width, height_mm: self.canvas_height };
-        let surface = canvas.surface(image, height_of, cx)?;
+        let surface = self.canvas.surface(image, height_of, cx)?;
         if span.is_even() {
             cx.warn(format!(
                 "the picture is one even gray: the surface is flat, at z_min = {} mm",
@@ -78,7 +73,8 @@ mod tests {
 
     fn map(width: usize, values: &[f32], z_min: f64, z_max: f64) -> Result<HeightField, String> {
         let image = GrayImage { width, height: values.len() / width, values: values.to_vec() };
-        let node = ZMap { canvas_width: 203.0, canvas_height: 203.0, z_min, z_max };
+        let node =
+            ZMap { canvas: Canvas { canvas_width: 203.0, canvas_height: 203.0 }, z_min, z_max };
         let mapped = run(|cx| node.run(Brightness { image: &image }, cx));
         mapped.map(|mapped| mapped.surface).map_err(|fault| fault.to_string())
     }
