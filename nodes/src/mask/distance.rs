@@ -13,7 +13,7 @@ const NONE: u32 = u32::MAX;
 
 /// The distance in pixels of each pixel's middle from that of the nearest pixel for which `is_in`
 /// holds; infinite if there is none. `tick` is called for each row; `None` if it says stop.
-pub(super) fn distances(
+pub(crate) fn distances(
     (width, height): (usize, usize),
     is_in: impl Fn(usize) -> bool + Sync,
     tick: impl Fn() -> bool + Sync,
