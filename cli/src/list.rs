@@ -81,6 +81,7 @@ fn pretty(json: &Json) -> String {
 fn default_text(spec: &ParamSpec) -> String {
     match &spec.default {
         None => "must be set".to_owned(),
+        Some(_) if spec.kind == ParamKind::InputFile => "default none".to_owned(),
         Some(value) => format!("default {value}"),
     }
 }

@@ -52,7 +52,7 @@ pub use pattern::{
 };
 pub use placing::{Axis, Datum, Fit, HeightDatum, Placing, PlacingError};
 pub use point_cloud::PointCloud;
-pub use polygon::{Polygon, PolygonError, offset, simplify_loop};
+pub use polygon::{Filling, Polygon, PolygonError, offset, simplify_loop};
 pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};

@@ -6,11 +6,13 @@
 //! and holes clockwise, so that the inside lies to the left of every edge.
 
 mod boolean;
+mod coverage;
 mod offset;
 mod simplify;
 #[cfg(test)]
 mod tests;
 
+pub use boolean::Filling;
 pub use offset::offset;
 pub(crate) use offset::offset_clean;
 pub use simplify::simplify_loop;

@@ -7,6 +7,7 @@ pub const LIBRARY: Library = Library {
     recipes: &[
         ("bas_relief", include_str!("../../graphs/bas_relief.ron")),
         ("depth_map", include_str!("../../graphs/depth_map.ron")),
+        ("drawing", include_str!("../../graphs/drawing.ron")),
         ("lithophane", include_str!("../../graphs/lithophane.ron")),
         ("mesh_finish", include_str!("../../graphs/mesh_finish.ron")),
         ("patterns", include_str!("../../graphs/patterns.ron")),
@@ -17,11 +18,13 @@ pub const LIBRARY: Library = Library {
         ("portrait_masks", include_str!("../../graphs/portrait_masks.ron")),
         ("relief", include_str!("../../graphs/relief.ron")),
         ("rest_finish", include_str!("../../graphs/rest_finish.ron")),
+        ("text_plaque", include_str!("../../graphs/text_plaque.ron")),
         ("two_tool_mesh", include_str!("../../graphs/two_tool_mesh.ron")),
         ("two_tool_relief", include_str!("../../graphs/two_tool_relief.ron")),
         ("waterline", include_str!("../../graphs/waterline.ron")),
     ],
     assets: &[
+        ("samples/compass.svg", include_bytes!("../../graphs/samples/compass.svg")),
         ("samples/medallion.png", include_bytes!("../../graphs/samples/medallion.png")),
         ("samples/portrait-facial.png", include_bytes!("../../graphs/samples/portrait-facial.png")),
         ("samples/portrait-hair.png", include_bytes!("../../graphs/samples/portrait-hair.png")),

@@ -189,11 +189,11 @@ impl Graph {
 
     /// Names each node's output files after the first file that it, or a node before it, reads, and
     /// after the recipe if there is none. A file that came with a catalog entry is not what the work
-    /// is about.
+    /// is about, nor is one that a node can do without.
     fn name_outputs(&mut self) {
         for at in self.order.clone() {
             let node = &self.nodes[at];
-            let mut params = self.kind(node).params.iter();
+            let mut params = self.kind(node).params.iter().filter(|param| param.default.is_none());
             let own = params.find_map(|param| match node.values.get(param.name) {
                 ParamValue::File(file) => Some(file.stem()),
                 _ => None,

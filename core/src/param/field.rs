@@ -126,6 +126,23 @@ impl ParamField for InputFile {
     }
 }
 
+/// A file that a node can do without: none is the empty text.
+impl ParamField for Option<InputFile> {
+    type Plain = Self;
+
+    fn kind(_: &ParamHints) -> ParamKind {
+        ParamKind::InputFile
+    }
+
+    fn to_value(&self) -> ParamValue {
+        self.clone().map_or_else(|| ParamValue::Text(String::new()), ParamValue::File)
+    }
+
+    fn from_value(value: &ParamValue) -> Self {
+        value.file().cloned()
+    }
+}
+
 impl ParamField for OutputName {
     type Plain = Self;
 

@@ -82,6 +82,7 @@ impl ParamSpec {
                 chosen(what, text(what, given)?, catalogs, catalog)
             }
             ParamKind::InputFile => match text(what, given)? {
+                "" if self.default.is_some() => Ok(ParamValue::Text(String::new())),
                 "" => Err(ParamFault::new(format!("{what} names no file"))),
                 path => Ok(ParamValue::File(locate(path))),
             },

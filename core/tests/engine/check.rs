@@ -1,7 +1,7 @@
 //! What is found in a recipe before anything runs.
 
 use crate::toy::{LIBRARY, Shop, lines, recipe, told, value};
-use carvegraph_core::{Graph, Origin, Recipe, source::Source};
+use carvegraph_core::{Graph, InputFile, Origin, Recipe, source::Source};
 use std::time::{Duration, Instant};
 
 #[track_caller]
@@ -309,6 +309,24 @@ fn paths_start_where_they_were_written() {
     assert_eq!(path(&["z.path=../a.txt"]), shop.path("current/../a.txt"));
     let built_in = LIBRARY.open("built_in", &Origin::BuiltIn).unwrap();
     assert!(Graph::build(&built_in, &[], &shop.registry, &LIBRARY).is_ok());
+}
+
+#[test]
+fn a_file_that_may_be_left_out_does_not_name_the_work() {
+    let shop = Shop::new();
+    shop.write("a.txt", "text");
+    shop.write("current/head.txt", "head");
+    let text = recipe(r#""z": (kind: "load", set: {"path": "a.txt"})"#, r#""z""#);
+    for (set, files) in
+        [(&[][..], &["a"][..]), (&["z.head="], &["a"]), (&["z.head=head.txt"], &["head", "a"])]
+    {
+        let graph = shop.graph_with(&text, set).unwrap_or_else(|faults| panic!("{faults}"));
+        let node = &graph.nodes[0];
+        assert_eq!(node.files().map(InputFile::stem).collect::<Vec<_>>(), files);
+        assert_eq!(node.prefix, "a");
+    }
+    let missing = lines(&shop.graph_with(&text, &["z.head=none.txt"]).err().unwrap()).join("");
+    assert!(missing.contains("there is no file"), "{missing}");
 }
 
 #[test]

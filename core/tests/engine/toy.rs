@@ -314,6 +314,9 @@ impl Node for Melt {
 /// Reads a file.
 #[derive(Params)]
 struct Load {
+    /// A file that goes before it.
+    #[param(default = None)]
+    head: Option<InputFile>,
     /// The file.
     path: InputFile,
 }
@@ -324,7 +327,10 @@ impl Node for Load {
     type Outputs = OneText;
 
     fn run(&self, (): (), cx: &Context<'_>) -> Result<OneText, NodeError> {
-        let text = String::from_utf8_lossy(&cx.read(&self.path)?).into_owned();
+        let mut text = String::new();
+        for file in self.head.iter().chain([&self.path]) {
+            text += &String::from_utf8_lossy(&cx.read(file)?);
+        }
         Ok(OneText { text: Words(text) })
     }
 }

@@ -5,7 +5,7 @@
 //! sides of each piece are counted. That is exact on the grid, so there is no input on which it loses
 //! its way. Against the exact result corners move by some 10⁻¹² of the polygon's size.
 
-use super::Polygon;
+use super::{Polygon, PolygonError};
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -18,7 +18,29 @@ pub(super) type Contour = Vec<[f64; 2]>;
 /// An outline and the holes in it.
 pub(super) type Shape = Vec<Contour>;
 
+/// What loops leave inside, by how often they go around a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Filling {
+    /// What an odd number of loops surround.
+    EvenOdd,
+    /// What loops go around more often one way than the other: those of one sense may overlap.
+    NonZero,
+}
+
 impl Polygon {
+    /// What loops leave inside, clean; `None` if nothing.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn filled(loops: Vec<Vec<DVec2>>, filling: Filling) -> Result<Option<Self>, PolygonError> {
+        let rule = match filling {
+            Filling::EvenOdd => FillRule::EvenOdd,
+            Filling::NonZero => FillRule::NonZero,
+        };
+        let loops = Self::new(loops)?;
+        Ok(polygon(contours(&loops).simplify_shape_as::<i64>(rule)))
+    }
+
     /// What lies inside of both; `None` if nothing does.
     #[must_use]
     pub fn and(&self, other: &Self) -> Option<Self> {

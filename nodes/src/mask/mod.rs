@@ -1,24 +1,33 @@
-//! Masks: which pixels of a picture are meant, drawn, chosen by colour or loaded, put together, and
-//! traced as outlines.
+//! Masks: which pixels of a picture are meant, drawn, written, chosen by colour or loaded, put
+//! together, and traced as outlines.
 
 mod color_mask;
 mod combine_masks;
+mod edge;
 mod feather_mask;
 mod grow_mask;
 mod load_mask;
 mod mask_lift;
 mod polygon_mask;
 mod save_mask;
+mod shape_mask;
+mod sheet;
+mod svg_mask;
+mod text_mask;
 mod trace_mask;
 
 pub(crate) use color_mask::ColorMask;
 pub(crate) use combine_masks::CombineMasks;
+pub(crate) use edge::from_edge;
 pub(crate) use feather_mask::FeatherMask;
 pub(crate) use grow_mask::GrowMask;
 pub(crate) use load_mask::LoadMask;
 pub(crate) use mask_lift::MaskLift;
 pub(crate) use polygon_mask::PolygonMask;
 pub(crate) use save_mask::SaveMask;
+pub(crate) use shape_mask::ShapeMask;
+pub(crate) use svg_mask::SvgMask;
+pub(crate) use text_mask::TextMask;
 pub(crate) use trace_mask::TraceMask;
 
 use crate::values::Mask;

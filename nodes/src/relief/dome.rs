@@ -11,7 +11,8 @@
 //! | arch_x | abs(x) | a: left and right stay |
 //! | arch_y | abs(y) | b: near and far stay |
 //!
-//! A tilted plane rises from 0 at one corner or side to h at the other.
+//! An oval meets the corners that stay flat in a crease. A pillow has none: it is arch_x times arch_y
+//! over h, 0 along the whole border. A tilted plane rises from 0 at one corner or side to h at the other.
 
 use super::{After, Before, size};
 use carvegraph_core::{Choice, Context, Node, NodeError, Params};
@@ -36,8 +37,10 @@ pub(crate) struct Dome {
 pub(crate) enum Shape {
     /// The cap of a sphere, 0 in the corners.
     Sphere,
-    /// An oval cap, 0 along the border.
+    /// An oval cap, 0 in the corners beyond it, which it meets in a crease.
     Oval,
+    /// Two arches across each other, 0 along the border, without a crease.
+    Pillow,
     /// Part of a cylinder along y, 0 on the left and right.
     ArchX,
     /// Part of a cylinder along x, 0 on the near and far side.
@@ -74,7 +77,7 @@ impl Dome {
     fn foot_mm(&self, half: DVec2) -> f64 {
         match self.shape {
             Shape::Sphere => half.length(),
-            Shape::Oval => half.min_element(),
+            Shape::Oval | Shape::Pillow => half.min_element(),
             Shape::ArchX => half.x,
             Shape::ArchY => half.y,
             Shape::Tilt => 0.0,
@@ -87,6 +90,11 @@ impl Dome {
         let away_mm = match self.shape {
             Shape::Sphere => place.length(),
             Shape::Oval => foot_mm * (place / half).length(),
+            Shape::Pillow => {
+                let arch = |away: f64, foot_mm| cap(away.abs(), foot_mm, self.height.abs());
+                let arches = arch(place.x, half.x) * arch(place.y, half.y);
+                return if self.height == 0.0 { 0.0 } else { arches / self.height };
+            }
             Shape::ArchX => place.x.abs(),
             Shape::ArchY => place.y.abs(),
             Shape::Tilt => {
@@ -138,19 +146,27 @@ mod tests {
     #[test]
     fn corners_border_or_sides_stay_and_the_middle_rises_by_the_height() {
         let (columns, rows) = (9, 7);
-        for shape in [Shape::Sphere, Shape::Oval, Shape::ArchX, Shape::ArchY] {
+        for shape in [Shape::Sphere, Shape::Oval, Shape::Pillow, Shape::ArchX, Shape::ArchY] {
             let found = over::<9>(shape, 0.8, rows);
             assert!((found[3 * columns + 4] - 1.8).abs() < 1e-6, "{shape:?}");
             assert_eq!(found[0], 1.0, "{shape:?}");
             let sides = (found[3 * columns] == 1.0, found[4] == 1.0);
             let expected = match shape {
-                Shape::Oval => (true, true),
+                Shape::Oval | Shape::Pillow => (true, true),
                 Shape::ArchX => (true, false),
                 Shape::ArchY => (false, true),
                 _ => (false, false),
             };
             assert_eq!(sides, expected, "{shape:?}");
         }
+    }
+
+    #[test]
+    fn a_pillow_is_one_arch_across_another() {
+        let [x, y, pillow] =
+            [Shape::ArchX, Shape::ArchY, Shape::Pillow].map(|shape| over::<9>(shape, -0.8, 7));
+        let expected = x.iter().zip(&y).map(|(x, y)| 1.0 - f64::from((x - 1.0) * (y - 1.0)) / 0.8);
+        assert_near(&pillow, &expected.collect::<Vec<_>>());
     }
 
     #[test]

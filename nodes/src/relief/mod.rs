@@ -1,4 +1,5 @@
-//! Reliefs composed: surfaces of heights put together, bounded, bent, framed, repeated and flattened.
+//! Reliefs composed: surfaces of heights put together, bounded, bent, framed, stamped,
+//! repeated and flattened.
 
 mod bas_relief;
 mod border;
@@ -6,7 +7,9 @@ mod clamp_field;
 mod combine_fields;
 mod dome;
 mod limit_slope;
+mod plate;
 mod scale_field;
+mod stamp;
 mod tile_field;
 
 pub(crate) use bas_relief::BasReliefNode;
@@ -15,7 +18,9 @@ pub(crate) use clamp_field::ClampField;
 pub(crate) use combine_fields::CombineFields;
 pub(crate) use dome::Dome;
 pub(crate) use limit_slope::LimitSlope;
+pub(crate) use plate::Plate;
 pub(crate) use scale_field::ScaleField;
+pub(crate) use stamp::Stamp;
 pub(crate) use tile_field::TileField;
 
 use crate::picture::MAX_PIXELS;

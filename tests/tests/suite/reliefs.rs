@@ -1,6 +1,7 @@
 //! Reliefs that are composed and flattened, and the solids that are printed of them.
 
 use crate::bench::{Bench, Report};
+use std::f64::consts::PI;
 
 /// Settings that make a small job of the recipes here.
 const SMALL: [&str; 6] =
@@ -33,8 +34,7 @@ fn a_bas_relief_has_its_depth_on_a_level_plate_and_a_watertight_solid() {
     let bench = Bench::new();
     let report = run(&bench, "bas_relief", &["pitch=0.5", "depth=4", "stepover=1", "width=60"]);
     let of = |node: &str, fact: &str| report.number(node, "surface", fact);
-    assert!((of("flat", "z_max") - of("flat", "z_min") - 4.0).abs() < 1e-4);
-    assert_eq!(of("sound", "z_min"), 0.0);
+    assert_eq!((of("flat", "z_min"), of("flat", "z_max")), (0.0, 4.0));
     assert_eq!(of("relief", "width_mm"), of("flat", "width_mm") + 2.0 * 5.0);
     let files: Vec<String> = bench.files("out").into_keys().collect();
     let endings = ["-path.png", ".3mf", ".nc", ".png", ".stl", ".txt"];
@@ -66,7 +66,7 @@ fn a_lithophane_is_thin_where_the_picture_is_bright() {
 fn a_plaque_is_put_together_of_its_parts() {
     let bench = Bench::new();
     let settings =
-        ["tile=10", "columns=3", "rows=3", "at_x=5", "at_y=5", "canvas_width=20", "stepover=1"];
+        ["tile=10", "columns=3", "rows=3", "at_x=5", "at_y=5", "canvas_width=20", "round=18"];
     let arguments: Vec<&str> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
     let report = bench.run(&[&["plaque", "--only", "relief"], &arguments[..]].concat());
     let of = |node: &str, fact: &str| report.number(node, "surface", fact);
@@ -77,6 +77,56 @@ fn a_plaque_is_put_together_of_its_parts() {
     assert!(
         (of("relief", "width_mm") - of("bent", "width_mm") - 16.0).abs() < of("relief", "pitch_mm")
     );
+}
+
+#[test]
+fn a_text_is_cut_in_to_its_depth_in_its_frame() {
+    let bench = Bench::new();
+    let settings =
+        ["text=Ai\\nB", "pitch=0.2", "width=60", "size=8", "height=-1.5", "profile=flat"];
+    let report = run(&bench, "text_plaque", &settings);
+    let of = |node: &str, fact: &str| report.number(node, "surface", fact);
+    assert_eq!((of("written", "z_min"), of("written", "z_max")), (-1.5, 0.0));
+    assert_eq!((of("written", "width_mm"), of("relief", "width_mm")), (60.0, 66.0));
+    // A line of 1.2 mm, 3 mm within the plate, around corners of 4 mm.
+    let ring =
+        |grown: f64| (54.0 - grown) * (44.0 - grown) - (4.0 - PI) * (4.0 - grown / 2.0).powi(2);
+    let expected = (ring(0.0) - ring(2.4)) / 0.04;
+    let found = report.number("frame", "mask", "selected_px");
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    assert_watertight(&bench, "text_plaque.stl");
+}
+
+#[test]
+fn strokes_that_a_cutter_cannot_enter_are_told() {
+    let bench = Bench::new();
+    let settings = ["text=Carve", "width=40", "size=4", "profile=flat", "pitch=0.2"];
+    let set = settings.iter().flat_map(|setting| ["--set", *setting]);
+    let thick = ["text_plaque", "--only", "written", "--set", "cutter=flat", "--set", "diameter=3"];
+    let answer = bench.carve(&["run"].into_iter().chain(thick).chain(set).collect::<Vec<_>>());
+    assert_eq!(answer.status, 0, "{}", answer.err);
+    assert!(answer.err.contains("the cutter needs 3.00 mm of room at 2 mm"), "{}", answer.err);
+}
+
+#[test]
+fn a_drawing_is_carved_under_its_own_name() {
+    let bench = Bench::new();
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10'><circle r='5'/></svg>";
+    bench.write("badge.svg", svg);
+    let settings = [
+        "drawing=badge.svg",
+        "pitch=0.25",
+        "width=40",
+        "plate_height=30",
+        "height=1",
+        "stepover=0.5",
+    ];
+    let report = run(&bench, "drawing", &settings);
+    assert_eq!(report.number("stamped", "surface", "z_max"), 1.0);
+    // Fitted within 5 mm: a circle of 20 mm.
+    let (found, expected) = (report.number("shapes", "mask", "selected_px"), PI * 100.0 * 16.0);
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+    assert_watertight(&bench, "badge.stl");
 }
 
 #[test]
