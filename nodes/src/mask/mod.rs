@@ -7,6 +7,7 @@ mod feather_mask;
 mod grow_mask;
 mod load_mask;
 mod mask_lift;
+mod pixels;
 mod polygon_mask;
 mod save_mask;
 mod trace_mask;
