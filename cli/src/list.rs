@@ -81,7 +81,6 @@ fn pretty(json: &Json) -> String {
 fn default_text(spec: &ParamSpec) -> String {
     match &spec.default {
         None => "must be set".to_owned(),
-        Some(_) if spec.kind == ParamKind::InputFile => "default none".to_owned(),
         Some(value) => format!("default {value}"),
     }
 }
@@ -179,7 +178,7 @@ fn param_json(registry: &Registry, param: &ParamSpec) -> Json {
             let entries = entries_json(registry, catalog);
             json!({"type": "name", "catalog": catalog, "entry_params": entries})
         }
-        ParamKind::InputFile => json!({"type": "input_file"}),
+        ParamKind::InputFile { optional } => json!({"type": "input_file", "optional": optional}),
         ParamKind::OutputName => json!({"type": "output_name"}),
     };
     json["name"] = json!(param.name);

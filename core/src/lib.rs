@@ -47,8 +47,8 @@ pub use library::Library;
 pub use node::{Conflict, Node, NodeKind, NodeMaker};
 pub use node_error::NodeError;
 pub use param::{
-    ChoiceOption, EntryParams, Given, ParamFault, ParamField, ParamHints, ParamKind, ParamSpec,
-    ParamValue, ParamValues, Params, Yielding,
+    ChoiceOption, EntryParams, Given, NO_FILE, ParamFault, ParamField, ParamHints, ParamKind,
+    ParamSpec, ParamValue, ParamValues, Params, Yielding,
 };
 pub use plan::{Plan, Step};
 pub use port::{Facts, InputValues, Inputs, Outputs, PortSpec, PortType, Value};

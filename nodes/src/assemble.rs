@@ -97,7 +97,13 @@ fn dimension_param(spec: &DimensionSpec) -> ParamSpec {
 
 fn drawing_param(about: &str) -> ParamSpec {
     let (name, about) = (path::DRAWING, sentence(about).into());
-    ParamSpec { name, about, kind: ParamKind::InputFile, default: None, yields: false }
+    ParamSpec {
+        name,
+        about,
+        kind: ParamKind::InputFile { optional: false },
+        default: None,
+        yields: false,
+    }
 }
 
 /// A line with the full stop that parameters are described with.

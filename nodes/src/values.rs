@@ -87,6 +87,11 @@ pub struct Mask {
 }
 
 impl Mask {
+    /// One that selects nothing.
+    pub(crate) fn nothing(width: usize, height: usize) -> Self {
+        Self { width, height, values: vec![0.0; width * height] }
+    }
+
     /// The pixels selected, those selected in part by their share.
     #[must_use]
     pub fn selected_px(&self) -> f64 {

@@ -1,6 +1,6 @@
 //! The types that a field of a node's struct may have.
 
-use super::{ParamHints, ParamKind, ParamValue, ParamValues};
+use super::{NO_FILE, ParamHints, ParamKind, ParamValue, ParamValues};
 use crate::files::{InputFile, OutputName};
 use crate::units::Dimension;
 
@@ -111,7 +111,7 @@ impl ParamField for InputFile {
     type Plain = Self;
 
     fn kind(_: &ParamHints) -> ParamKind {
-        ParamKind::InputFile
+        ParamKind::InputFile { optional: false }
     }
 
     fn to_value(&self) -> ParamValue {
@@ -126,16 +126,17 @@ impl ParamField for InputFile {
     }
 }
 
-/// A file that a node can do without: none is the empty text.
+/// A file that may be left out, see [`NO_FILE`].
 impl ParamField for Option<InputFile> {
     type Plain = Self;
 
     fn kind(_: &ParamHints) -> ParamKind {
-        ParamKind::InputFile
+        ParamKind::InputFile { optional: true }
     }
 
     fn to_value(&self) -> ParamValue {
-        self.clone().map_or_else(|| ParamValue::Text(String::new()), ParamValue::File)
+        let none = || ParamValue::Text(NO_FILE.to_owned());
+        self.clone().map_or_else(none, ParamValue::File)
     }
 
     fn from_value(value: &ParamValue) -> Self {
@@ -230,5 +231,43 @@ impl<T: ParamField<Plain = T>> ParamField for Yielding<T> {
 
     fn from_values(values: &ParamValues, name: &str) -> Self {
         Self { value: T::from_value(values.get(name)), is_set: values.is_set(name) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalog::Catalogs;
+    use crate::files::Origin;
+    use crate::param::{Given, ParamSpec};
+
+    #[test]
+    fn a_file_may_be_left_out_where_the_field_says_so() {
+        let (min, max) = (f64::NEG_INFINITY, f64::INFINITY);
+        let hints =
+            ParamHints { unit: None, min, max, odd: false, catalog: None, takes_params: false };
+        let read = |kind: ParamKind, word: &str| {
+            let spec = ParamSpec {
+                name: "path",
+                about: "A file.".into(),
+                kind,
+                default: None,
+                yields: false,
+            };
+            let locate = |path: &str| Origin::BuiltIn.locate(path);
+            spec.read(Given::Word(word), &Catalogs::default(), &locate)
+                .map_err(|fault| fault.message)
+        };
+        let path = |value: &ParamValue| {
+            let file = Option::<InputFile>::from_value(value)?;
+            Some(file.path().display().to_string())
+        };
+        let optional = |word| read(Option::<InputFile>::kind(&hints), word);
+        assert_eq!(path(&optional("none").unwrap()), None);
+        assert_eq!(optional("none").unwrap(), None::<InputFile>.to_value());
+        assert_eq!(path(&optional("./none").unwrap()).as_deref(), Some("./none"));
+        assert_eq!(optional("").unwrap_err(), "path names no file");
+        let needed = read(InputFile::kind(&hints), "none").unwrap();
+        assert_eq!(InputFile::from_value(&needed).stem(), "none");
     }
 }

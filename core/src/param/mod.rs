@@ -64,10 +64,16 @@ pub enum ParamKind {
         takes_params: bool,
     },
     /// A file to read.
-    InputFile,
+    InputFile {
+        /// Whether there may be none, said as [`NO_FILE`].
+        optional: bool,
+    },
     /// The name of a file to write inside the output folder.
     OutputName,
 }
+
+/// What a recipe or a user sets where a file may be left out; a file of that name is `./none`.
+pub const NO_FILE: &str = "none";
 
 /// What values a parameter takes, for a user: "0.1 to 10000 mm", "one of open, closed".
 impl fmt::Display for ParamKind {
@@ -88,7 +94,8 @@ impl fmt::Display for ParamKind {
                 write!(f, "one of {}", names.join(", "))
             }
             Self::Catalog { catalog, .. } => write!(f, "a {catalog}'s name (carve {catalog}s)"),
-            Self::InputFile => f.write_str("file to read"),
+            Self::InputFile { optional: false } => f.write_str("file to read"),
+            Self::InputFile { optional: true } => write!(f, "file to read, or {NO_FILE}"),
             Self::OutputName => f.write_str("name of a file to write"),
         }
     }

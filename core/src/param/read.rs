@@ -3,7 +3,7 @@
 //! The functions below the definition serve whatever is read from `.ron` files, see
 //! [`form`](crate::ron::form); `what` is what messages call the value by.
 
-use super::{ParamKind, ParamSpec, ParamValue};
+use super::{NO_FILE, ParamKind, ParamSpec, ParamValue};
 use crate::catalog::Catalogs;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::files::{InputFile, OutputName};
@@ -81,8 +81,8 @@ impl ParamSpec {
             ParamKind::Catalog { catalog, .. } => {
                 chosen(what, text(what, given)?, catalogs, catalog)
             }
-            ParamKind::InputFile => match text(what, given)? {
-                "" if self.default.is_some() => Ok(ParamValue::Text(String::new())),
+            ParamKind::InputFile { optional } => match text(what, given)? {
+                NO_FILE if *optional => Ok(ParamValue::Text(NO_FILE.to_owned())),
                 "" => Err(ParamFault::new(format!("{what} names no file"))),
                 path => Ok(ParamValue::File(locate(path))),
             },

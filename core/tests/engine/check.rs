@@ -318,7 +318,7 @@ fn a_file_that_may_be_left_out_does_not_name_the_work() {
     shop.write("current/head.txt", "head");
     let text = recipe(r#""z": (kind: "load", set: {"path": "a.txt"})"#, r#""z""#);
     for (set, files) in
-        [(&[][..], &["a"][..]), (&["z.head="], &["a"]), (&["z.head=head.txt"], &["head", "a"])]
+        [(&[][..], &["a"][..]), (&["z.head=none"], &["a"]), (&["z.head=head.txt"], &["head", "a"])]
     {
         let graph = shop.graph_with(&text, set).unwrap_or_else(|faults| panic!("{faults}"));
         let node = &graph.nodes[0];

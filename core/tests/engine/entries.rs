@@ -48,7 +48,13 @@ fn length(name: &'static str, default: f64) -> ParamSpec {
 
 fn template() -> ParamSpec {
     let (name, about) = ("template", "What to trace.".into());
-    ParamSpec { name, about, kind: ParamKind::InputFile, default: None, yields: false }
+    ParamSpec {
+        name,
+        about,
+        kind: ParamKind::InputFile { optional: false },
+        default: None,
+        yields: false,
+    }
 }
 
 fn entry(name: &str, params: Vec<ParamSpec>) -> CatalogEntry {

@@ -6,7 +6,8 @@
 //! the four neighbours of each pixel, each compared to the seed and not to its neighbour, so that a
 //! smooth run of colours does not carry the fill away. The mask's edge is crisp.
 
-use crate::values::{Image, Mask, Samples};
+use super::pixels::Pixels;
+use crate::values::{Image, Mask};
 use carvegraph_core::{Choice, Conflict, Context, Inputs, Node, NodeError, Outputs, Params};
 use rayon::prelude::*;
 
@@ -97,30 +98,6 @@ impl Node for ColorMask {
 /// Levels of 8 bits are no round shares: a difference of exactly the tolerance is one within it.
 const LAST_BIT: f64 = 1e-6;
 
-/// Looks up colours, 0 to 1.
-struct Pixels<'a> {
-    image: &'a Image,
-    stride: usize,
-    /// Where a pixel's red, green and blue stand among its samples.
-    channels: [usize; 3],
-}
-
-impl<'a> Pixels<'a> {
-    fn new(image: &'a Image) -> Self {
-        let stride = image.channels.count();
-        let channels = if stride < 3 { [0; 3] } else { [0, 1, 2] };
-        Self { image, stride, channels }
-    }
-
-    fn at(&self, at: usize) -> [f32; 3] {
-        self.channels.map(|channel| match &self.image.samples {
-            Samples::U8(samples) => f32::from(samples[at * self.stride + channel]) / 255.0,
-            Samples::U16(samples) => f32::from(samples[at * self.stride + channel]) / 65535.0,
-            Samples::F32(samples) => samples[at * self.stride + channel],
-        })
-    }
-}
-
 /// What hangs together with `seed` among the pixels that fit. `None` if `tick` says stop.
 fn fill(
     (width, height): (usize, usize),
@@ -175,7 +152,7 @@ fn read_seed(text: &str) -> Result<(usize, usize), String> {
 mod tests {
     use super::*;
     use crate::testing::run;
-    use crate::values::Channels;
+    use crate::values::{Channels, Samples};
 
     fn node(reach: Reach, color: &str, seed: &str, tolerance: f64) -> ColorMask {
         ColorMask { reach, color: color.to_owned(), seed: seed.to_owned(), tolerance }
@@ -249,5 +226,54 @@ mod tests {
         );
         let outside = select(&node(Reach::FromSeed, "#000000", "3,0", 0.0), &gray(3, &[0; 6]));
         assert_eq!(outside.unwrap_err(), "seed 3,0 lies outside of the picture of 3 × 2 px");
+    }
+
+    /// What hangs together with the seed, found by going over all pixels until nothing changes.
+    fn hanging_together(width: usize, levels: &[u8], seed: usize, tolerance: u8) -> Vec<f32> {
+        let mut found = vec![0.0; levels.len()];
+        found[seed] = 1.0;
+        loop {
+            let before = found.clone();
+            for at in 0..levels.len() {
+                let beside = |other: usize| {
+                    let apart =
+                        |k: fn(usize, usize) -> usize| k(at, width).abs_diff(k(other, width));
+                    apart(|at, width| at % width) + apart(|at, width| at / width) == 1
+                };
+                let reached = (0..levels.len()).any(|other| found[other] == 1.0 && beside(other));
+                if reached && levels[at].abs_diff(levels[seed]) <= tolerance {
+                    found[at] = 1.0;
+                }
+            }
+            if found == before {
+                return found;
+            }
+        }
+    }
+
+    #[test]
+    fn a_fill_finds_what_a_slow_search_finds() {
+        let mut random = fastrand::Rng::with_seed(3);
+        for (width, height) in [(1, 1), (1, 19), (19, 1), (9, 13)] {
+            for _ in 0..20 {
+                let levels: Vec<u8> = (0..width * height).map(|_| random.u8(0..40)).collect();
+                let seed = random.usize(..levels.len());
+                let place = format!("{},{}", seed % width, seed / width);
+                let node = node(Reach::FromSeed, "#ffffff", &place, 25.0 / 255.0);
+                let wanted = hanging_together(width, &levels, seed, 25);
+                assert_eq!(select(&node, &gray(width, &levels)).unwrap(), wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn transparency_is_not_looked_at_and_16_bits_are() {
+        let near = node(Reach::Everywhere, "#808080", "0,0", 0.0);
+        let samples = Samples::U8(vec![128, 0, 129, 255, 128, 255]);
+        let image = Image { width: 1, height: 3, channels: Channels::GrayAlpha, samples };
+        assert_eq!(select(&near, &image).unwrap(), [1.0, 0.0, 1.0]);
+        let samples = Samples::U16(vec![128 * 257, 128 * 257 + 1]);
+        let image = Image { width: 2, height: 1, channels: Channels::Gray, samples };
+        assert_eq!(select(&near, &image).unwrap(), [1.0, 0.0]);
     }
 }

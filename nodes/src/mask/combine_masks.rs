@@ -97,4 +97,22 @@ mod tests {
              pixel by pixel"
         );
     }
+
+    #[test]
+    fn soft_masks_keep_to_the_laws_of_fuzzy_sets() {
+        let mut random = fastrand::Rng::with_seed(9);
+        // Shares of 256ths, so that 1 - a is exact.
+        let mut mask =
+            || line(&(0..97).map(|_| f32::from(random.u8(..)) / 256.0).collect::<Vec<_>>());
+        let (a, b) = (mask(), mask());
+        let not =
+            |mask: &Mask| line(&mask.values.iter().map(|share| 1.0 - share).collect::<Vec<_>>());
+        let of = |rule, a: &Mask, b: &Mask| line(&combine(rule, a, b).unwrap());
+        assert_eq!(not(&of(Rule::Or, &a, &b)), of(Rule::And, &not(&a), &not(&b)));
+        assert_eq!(of(Rule::Minus, &a, &b), of(Rule::And, &a, &not(&b)));
+        for rule in [Rule::And, Rule::Or] {
+            assert_eq!(of(rule, &a, &a), a);
+            assert_eq!(of(rule, &a, &b), of(rule, &b, &a));
+        }
+    }
 }

@@ -105,4 +105,31 @@ mod tests {
         let (mask, rest) = (feather(3.0, 20, mask), feather(3.0, 20, rest));
         assert!(mask.iter().zip(rest).all(|(a, b)| (a + b - 1.0).abs() < 1e-6));
     }
+
+    #[test]
+    fn shares_follow_the_distance_that_a_slow_search_finds() {
+        let mut random = fastrand::Rng::with_seed(4);
+        let soft = 5.0;
+        for (width, height) in [(1, 27), (27, 1), (17, 13)] {
+            let mask: Vec<f32> =
+                (0..width * height).map(|_| f32::from(random.u8(..) < 30)).collect();
+            let share = |at: usize| {
+                let apart = |other: usize| {
+                    let along = |k: fn(usize, usize) -> usize| {
+                        k(at, width).abs_diff(k(other, width)) as f64
+                    };
+                    along(|at, width| at % width).hypot(along(|at, width| at / width))
+                };
+                let others = (0..mask.len()).filter(|other| mask[*other] != mask[at]);
+                let from_edge = others.map(apart).fold(f64::INFINITY, f64::min) - 0.5;
+                let signed = if mask[at] == 1.0 { from_edge } else { -from_edge };
+                let t = (0.5 + signed / soft).clamp(0.0, 1.0);
+                t * t * (3.0 - 2.0 * t)
+            };
+            let found = feather(soft, width, mask.clone());
+            for (at, found) in found.into_iter().enumerate() {
+                assert!((f64::from(found) - share(at)).abs() < 1e-6, "{width} × {height} at {at}");
+            }
+        }
+    }
 }

@@ -93,4 +93,31 @@ mod tests {
             assert_eq!(grow(-2.0, 3, vec![share; 6]), [share; 6]);
         }
     }
+
+    #[test]
+    fn masks_grow_and_shrink_as_a_slow_search_says() {
+        let mut random = fastrand::Rng::with_seed(7);
+        for (width, height) in [(1, 1), (1, 29), (29, 1), (19, 11)] {
+            let mask: Vec<f32> =
+                (0..width * height).map(|_| f32::from(random.u8(..) < 30)).collect();
+            let near = |at: usize, share: f32, reach: f64| {
+                mask.iter().enumerate().any(|(other, found)| {
+                    let along = |k: fn(usize, usize) -> usize| {
+                        k(at, width).abs_diff(k(other, width)) as f64
+                    };
+                    let far = along(|at, width| at % width).hypot(along(|at, width| at / width));
+                    *found == share && far <= reach
+                })
+            };
+            for by in [0.0, 1.0, 1.5, 2.9] {
+                let all = 0..width * height;
+                let grown: Vec<f32> = all.clone().map(|at| f32::from(near(at, 1.0, by))).collect();
+                assert_eq!(grow(by, width, mask.clone()), grown, "{width} × {height} by {by}");
+                let shrunk: Vec<f32> = all.map(|at| f32::from(!near(at, 0.0, by))).collect();
+                // By -0, which is not negative, it grows by nothing.
+                let shrunk = if by == 0.0 { mask.clone() } else { shrunk };
+                assert_eq!(grow(-by, width, mask.clone()), shrunk, "{width} × {height} by -{by}");
+            }
+        }
+    }
 }

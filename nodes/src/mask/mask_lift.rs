@@ -92,4 +92,20 @@ mod tests {
         let message = lift(0.5, &[0.0; 3], &[1.0; 2]).unwrap_err();
         assert!(message.starts_with("the mask has 2 × 1 px and the picture 3 × 1 px"), "{message}");
     }
+
+    #[test]
+    fn every_pixel_follows_the_formula_and_what_is_left_out_keeps_its_bits() {
+        let mut random = fastrand::Rng::with_seed(8);
+        let values: Vec<f32> = (0..501).map(|_| random.f32() * 1.5 - 0.25).collect();
+        let shares: Vec<f32> =
+            (0..501).map(|k| if k % 3 == 0 { 0.0 } else { random.f32() }).collect();
+        let brightest = f64::from(values.iter().copied().fold(f32::NEG_INFINITY, f32::max));
+        let lifted = lift(0.37, &values, &shares).unwrap();
+        for ((before, share), after) in values.iter().zip(&shares).zip(lifted) {
+            let (value, share) = (f64::from(*before), f64::from(*share));
+            let wanted = value + share * 0.37 * (brightest - value);
+            assert!((f64::from(after) - wanted).abs() < 1e-6);
+            assert!(share > 0.0 || after.to_bits() == before.to_bits());
+        }
+    }
 }

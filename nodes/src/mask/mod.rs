@@ -8,6 +8,7 @@ mod feather_mask;
 mod grow_mask;
 mod load_mask;
 mod mask_lift;
+mod pixels;
 mod polygon_mask;
 mod save_mask;
 mod shape_mask;

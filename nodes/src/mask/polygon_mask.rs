@@ -17,13 +17,16 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, Params)]
 pub(crate) struct PolygonMask {
     /// Corners as x,y with blanks between them; loops with a semicolon between them. 0,0 is the
-    /// picture's upper left corner; y counts downwards.
+    /// picture's upper left corner; y counts downwards. The word none selects nothing.
     #[param(default = "0.25,0.25 0.75,0.25 0.75,0.75 0.25,0.75")]
     pub(crate) corners: String,
     /// What the corners count in.
     #[param(default = Counting::Shares)]
     pub(crate) counting: Counting,
 }
+
+/// Stands for corners where nothing is to be selected.
+const NOTHING: &str = "none";
 
 /// What corners count in.
 #[derive(Clone, Copy, Debug, PartialEq, Choice)]
@@ -52,13 +55,14 @@ impl Node for PolygonMask {
     type Outputs = Drawn;
 
     fn check(&self) -> Result<(), Conflict> {
-        let read = read_corners(&self.corners);
-        read.map(|_| ()).map_err(|message| Conflict { param: "corners", message })
+        self.polygon().map(|_| ()).map_err(|message| Conflict { param: "corners", message })
     }
 
     fn run(&self, inputs: Canvas<'_>, cx: &Context<'_>) -> Result<Drawn, NodeError> {
         let (width, height) = (inputs.image.width, inputs.image.height);
-        let polygon = read_corners(&self.corners).map_err(NodeError::failed)?;
+        let Some(polygon) = self.polygon().map_err(NodeError::failed)? else {
+            return Ok(Drawn { mask: Mask::nothing(width, height) });
+        };
         let scale = match self.counting {
             Counting::Shares => DVec2::new(width as f64, height as f64),
             Counting::Pixels => DVec2::ONE,
@@ -78,6 +82,16 @@ impl Node for PolygonMask {
             cx.warn("the polygons hold no pixel's middle: the mask selects nothing");
         }
         Ok(Drawn { mask: Mask { width, height, values } })
+    }
+}
+
+impl PolygonMask {
+    /// What the corners surround, if anything is to be selected.
+    fn polygon(&self) -> Result<Option<Polygon>, String> {
+        match self.corners.trim() {
+            NOTHING => Ok(None),
+            corners => read_corners(corners).map(Some),
+        }
     }
 }
 
@@ -166,5 +180,63 @@ mod tests {
     fn what_lies_outside_of_the_picture_is_cut_off() {
         assert_eq!(draw("-1e9,-1e9 1e9,-1e9 1e9,1e9 -1e9,1e9", Counting::Pixels, (1, 3)), [1.0; 3]);
         assert_eq!(draw("5,0 9,0 9,9", Counting::Pixels, (3, 1)), [0.0; 3]);
+    }
+
+    /// Whether a place lies inside by the even-odd rule, along a column in place of a row and by signs
+    /// of areas in place of crossings.
+    fn is_inside(loops: &[Vec<[f64; 2]>], [x, y]: [f64; 2]) -> bool {
+        let crosses = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| {
+            let area = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+            (ax < x && bx > x && area > 0.0) || (bx < x && ax > x && area < 0.0)
+        };
+        let edges = |corners: &[[f64; 2]]| {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).filter(|(a, b)| crosses(**a, **b)).count()
+        };
+        loops.iter().map(|corners| edges(corners)).sum::<usize>() % 2 == 1
+    }
+
+    #[test]
+    fn polygons_that_cross_are_filled_as_an_oracle_says() {
+        let mut random = fastrand::Rng::with_seed(11);
+        for (width, height) in [(1, 1), (1, 23), (23, 1), (17, 31), (64, 5)] {
+            for _ in 0..60 {
+                let mut corner =
+                    || [width, height].map(|side| (random.f64() * 1.6 - 0.3) * side as f64);
+                let loops: Vec<Vec<[f64; 2]>> =
+                    (3..6).map(|count| (0..count).map(|_| corner()).collect()).collect();
+                let text = |corners: &Vec<[f64; 2]>| {
+                    let texts = corners.iter().map(|[x, y]| format!("{x},{y}"));
+                    texts.collect::<Vec<_>>().join(" ")
+                };
+                let corners = loops.iter().map(text).collect::<Vec<_>>().join("; ");
+                let expected: Vec<f32> = (0..width * height)
+                    .map(|at| [(at % width) as f64 + 0.5, (at / width) as f64 + 0.5])
+                    .map(|middle| if is_inside(&loops, middle) { 1.0 } else { 0.0 })
+                    .collect();
+                assert_eq!(
+                    draw(&corners, Counting::Pixels, (width, height)),
+                    expected,
+                    "{corners}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn none_selects_nothing() {
+        assert_eq!(draw(" none ", Counting::Shares, (3, 2)), [0.0; 6]);
+    }
+
+    #[test]
+    fn what_is_no_polygon_is_told() {
+        let fault = |corners: &str| {
+            let node = PolygonMask { corners: corners.to_owned(), counting: Counting::Shares };
+            node.check().unwrap_err().message
+        };
+        assert_eq!(fault("0,0 1,1"), "loop 1 has 2 corners; the least is 3");
+        assert_eq!(fault("0,0 1,0 0,1; 0.5,0.5"), "loop 2 has 1 corners; the least is 3");
+        assert_eq!(fault("0,0 1,NaN 0,1"), "\"1,NaN\" is no corner: write it as 12.5,30");
+        assert_eq!(fault(""), "loop 1 has 0 corners; the least is 3");
     }
 }

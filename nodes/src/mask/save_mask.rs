@@ -65,4 +65,21 @@ mod tests {
         let picture = image::load_from_memory(&png).unwrap().into_luma8();
         assert_eq!((picture.dimensions(), picture.into_raw()), ((3, 1), vec![0, 255, 51]));
     }
+
+    #[test]
+    fn what_is_saved_is_loaded_again() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for (width, height) in [(1, 1), (1, 9), (9, 1), (13, 7)] {
+            let back = |share: &mut dyn FnMut() -> f32| {
+                let values: Vec<f32> = (0..width * height).map(|_| share()).collect();
+                let mut png = Vec::new();
+                encode(&Mask { width, height, values: values.clone() }, &mut png).unwrap();
+                let picture = image::load_from_memory(&png).unwrap().into_luma8().into_raw();
+                let loaded = picture.into_iter().map(|level| 1.0 - f32::from(level) / 255.0);
+                values.into_iter().zip(loaded).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+            };
+            assert_eq!(back(&mut || f32::from(random.bool())), 0.0);
+            assert!(back(&mut || random.f32()) <= 1.0 / 510.0 + 1e-6);
+        }
+    }
 }

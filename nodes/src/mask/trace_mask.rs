@@ -202,4 +202,31 @@ mod tests {
         assert_eq!(polygon.loops().len(), 1);
         assert!((5_000..100_000).contains(&polygon.corners()), "{}", polygon.corners());
     }
+
+    /// Whether a place is surrounded by an odd number of loops.
+    fn is_inside(polygon: &Polygon, at: DVec2) -> bool {
+        let crosses = |a: DVec2, b: DVec2| {
+            (a.x <= at.x) != (b.x <= at.x) && a.y + (at.x - a.x) / (b.x - a.x) * (b.y - a.y) > at.y
+        };
+        let around = |corners: &Vec<DVec2>| {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).filter(|(a, b)| crosses(**a, **b)).count()
+        };
+        polygon.loops().iter().map(around).sum::<usize>() % 2 == 1
+    }
+
+    #[test]
+    fn every_pixel_lies_on_its_side_of_the_outline() {
+        let mut random = fastrand::Rng::with_seed(6);
+        for (columns, rows) in [(3, 3), (21, 3), (3, 13), (17, 11)] {
+            let values: Vec<f32> = (0..columns * rows).map(|_| f32::from(random.bool())).collect();
+            let exact = TraceMask { tolerance: 0.0, ..NODE };
+            let polygon = traced(&exact, columns, &values).unwrap();
+            let pitch = DVec2::new(100.0 / (columns - 1) as f64, 50.0 / (rows - 1) as f64);
+            for (x, y) in (1..rows - 1).flat_map(|y| (1..columns - 1).map(move |x| (x, y))) {
+                let at = DVec2::new(10.0 + x as f64 * pitch.x, 70.0 - y as f64 * pitch.y);
+                assert_eq!(is_inside(&polygon, at), values[y * columns + x] == 1.0, "{x}, {y}");
+            }
+        }
+    }
 }

@@ -22,6 +22,8 @@ use wide::f32x8;
 /// Distances over which pixels are compared, and how often each is gone through.
 const STRIDES: [usize; 6] = [32, 16, 8, 4, 2, 1];
 const ROUNDS: usize = 3;
+/// Rows of a chain that are gone through at once: some 5 % of them are computed twice.
+const SECTION: usize = 128;
 /// Pixels that are worked on at once.
 const LANES: usize = 8;
 /// In steps: neighbouring treads differ by one; more than this is an edge.
@@ -55,79 +57,132 @@ impl Node for DepthSmooth {
     fn run(&self, inputs: Stepped<'_>, cx: &Context<'_>) -> Result<Sloped, NodeError> {
         let saved = inputs.image;
         let step = 1.0 / ((1u32 << self.bits) - 1) as f32;
-        let ticker = cx.ticker(STRIDES.len() * ROUNDS * saved.height);
+        let ticker = cx.ticker(STRIDES.len() * saved.height);
         let mut image = saved.clone();
-        let mut next = vec![0.0; saved.values.len()];
         for stride in STRIDES {
-            for _ in 0..ROUNDS {
-                let round = Round { values: &image.values, saved, stride, step };
-                let rows = next.par_chunks_exact_mut(saved.width).enumerate();
-                let done = rows.try_for_each(|(y, row)| {
-                    round.smooth_row(y, row);
-                    ticker.tick(1).then_some(())
-                });
-                cx.completed(done)?;
-                std::mem::swap(&mut image.values, &mut next);
-            }
+            let pass = Pass { saved, stride, step };
+            cx.completed(pass.smooth(&mut image.values, &|rows| ticker.tick(rows)))?;
         }
         Ok(Sloped { image })
     }
 }
 
-/// One round over pixels `stride` apart.
-struct Round<'a> {
-    values: &'a [f32],
+/// All rounds over pixels `stride` apart.
+///
+/// Rows that far apart are a chain, and know nothing of the other chains. A chain is gone through once: as
+/// soon as a row has had a round, the row before it has its next, so that all rounds find their rows in the
+/// processor's cache. Long chains are cut into sections, with as many rows on either side as there are rounds,
+/// which are computed twice.
+struct Pass<'a> {
     saved: &'a GrayImage,
     stride: usize,
     step: f32,
 }
 
-/// Some pixels of a row: what they are now and what was saved.
-type Pixels<'a> = (&'a [f32], &'a [f32]);
-
-impl<'a> Round<'a> {
-    /// The pixels of row `y` from column `first` on.
-    fn pixels(&self, y: usize, first: usize, count: usize) -> Pixels<'a> {
-        let at = y * self.saved.width + first;
-        (&self.values[at..at + count], &self.saved.values[at..at + count])
+impl Pass<'_> {
+    /// `None` if the tick says stop.
+    fn smooth(&self, values: &mut [f32], tick: &(impl Fn(usize) -> bool + Sync)) -> Option<()> {
+        let mut chains: Vec<Vec<&mut [f32]>> = Vec::new();
+        chains.resize_with(self.stride, Vec::new);
+        for (y, row) in values.chunks_exact_mut(self.saved.width).enumerate() {
+            chains[y % self.stride].push(row);
+        }
+        chains.par_iter_mut().enumerate().try_for_each(|(first, chain)| {
+            let margins = margins(chain);
+            let sections = chain.par_chunks_mut(SECTION).zip(margins).enumerate();
+            sections.try_for_each(|(section, (rows, [mut before, mut after]))| {
+                let y = first + (section * SECTION - before.len()) * self.stride;
+                let done = rows.len();
+                let rows = rows.iter_mut().map(|row| &mut **row);
+                let before = before.iter_mut().map(Vec::as_mut_slice);
+                let after = after.iter_mut().map(Vec::as_mut_slice);
+                self.smooth_rows(y, &mut before.chain(rows).chain(after).collect::<Vec<_>>());
+                tick(done).then_some(())
+            })
+        })
     }
 
-    fn smooth_row(&self, y: usize, row: &mut [f32]) {
+    /// All rounds over rows of a chain, the first of which is row `top` of the picture.
+    fn smooth_rows(&self, top: usize, rows: &mut [&mut [f32]]) {
+        let width = self.saved.width;
+        let mut here = vec![0.0; width];
+        // The row before the one that a round is at, as it was before that round.
+        let mut before: [Vec<f32>; ROUNDS] = std::array::from_fn(|_| vec![0.0; width]);
+        for newest in 0..rows.len() + ROUNDS - 1 {
+            for (round, before) in before.iter_mut().enumerate() {
+                let at = newest.checked_sub(round).filter(|at| *at < rows.len());
+                let Some(at) = at else { continue };
+                let (row, after) = rows[at..].split_at_mut(1);
+                here.copy_from_slice(row[0]);
+                let beside = after.first().filter(|_| at > 0).map(|after| [&before[..], &**after]);
+                self.smooth_row(top + at * self.stride, row[0], &here, beside);
+                std::mem::swap(before, &mut here);
+            }
+        }
+    }
+
+    /// One round over row `y`: `here` as it is, and the rows on both sides of it, if there are two.
+    fn smooth_row(&self, y: usize, row: &mut [f32], here: &[f32], beside: Option<[&[f32]; 2]>) {
         let (width, stride) = (self.saved.width, self.stride);
-        let (here, saved) = self.pixels(y, 0, width);
-        row.copy_from_slice(here);
+        let saved_row = |y: usize| &self.saved.values[y * width..][..width];
+        let saved = saved_row(y);
         if width > 2 * stride {
             let count = width - 2 * stride;
-            let at = |first| self.pixels(y, first, count);
-            self.flatten(&mut row[stride..][..count], at(0), at(stride), at(2 * stride));
+            let [a, m, b] = [0, stride, 2 * stride].map(|first| &here[first..][..count]);
+            let [saved_a, saved_m, saved_b] =
+                [0, stride, 2 * stride].map(|first| &saved[first..][..count]);
+            let lines = [a, m, b, saved_a, saved_m, saved_b];
+            by_lanes(&mut row[stride..][..count], lines, |out, lanes| out + self.change(lanes));
         }
-        if y >= stride && y + stride < self.saved.height {
-            let at = |y| self.pixels(y, 0, width);
-            self.flatten(row, at(y - stride), at(y), at(y + stride));
-        }
-        for (out, saved) in row.iter_mut().zip(saved) {
-            *out = out.clamp(saved - 0.5 * self.step, saved + 0.5 * self.step);
+        let half = f32x8::splat(0.5 * self.step);
+        let held = |out: f32x8, saved: f32x8| out.fast_max(saved - half).fast_min(saved + half);
+        if let Some([before, after]) = beside {
+            let [saved_before, saved_after] = [y - stride, y + stride].map(saved_row);
+            let lines = [before, here, after, saved_before, saved, saved_after];
+            by_lanes(row, lines, |out, lanes| held(out + self.change(lanes), lanes[4]));
+        } else {
+            by_lanes(row, [saved], |out, [saved]| held(out, saved));
         }
     }
 
-    /// Adds a quarter of the second differences to `out`, where they are those of treads.
-    fn flatten(&self, out: &mut [f32], before: Pixels, middle: Pixels, after: Pixels) {
+    /// A quarter of the second differences, where they are those of treads: of pixels before, in and
+    /// after the middle as they are now, then as they were saved.
+    fn change(&self, [a, m, b, saved_a, saved_m, saved_b]: [f32x8; 6]) -> f32x8 {
         let edge = f32x8::splat(EDGE * self.step);
-        let change = |first: usize, count: usize| {
-            let lanes = |line: &[f32]| f32x8::from(&line[first..first + count]);
-            let [a, m, b] = [before, middle, after].map(|(values, _)| lanes(values));
-            let [sa, sm, sb] = [before, middle, after].map(|(_, saved)| lanes(saved));
-            let is_tread = (sa - sm).abs().simd_lt(edge) & (sb - sm).abs().simd_lt(edge);
-            is_tread.select(0.25 * (a - 2.0 * m + b), f32x8::ZERO)
-        };
-        let (blocks, rest) = out.as_chunks_mut::<LANES>();
-        let done = blocks.len() * LANES;
-        for (k, block) in blocks.iter_mut().enumerate() {
-            *block = (f32x8::from(*block) + change(k * LANES, LANES)).to_array();
-        }
-        let last = change(done, rest.len()).to_array();
-        rest.iter_mut().zip(last).for_each(|(out, change)| *out += change);
+        let is_tread =
+            (saved_a - saved_m).abs().simd_lt(edge) & (saved_b - saved_m).abs().simd_lt(edge);
+        is_tread.select(0.25 * (a - 2.0 * m + b), f32x8::ZERO)
     }
+}
+
+/// Copies of the rows before and after each section of a chain, as many as there are rounds.
+fn margins(chain: &[&mut [f32]]) -> Vec<[Vec<Vec<f32>>; 2]> {
+    let copies = |rows: &[&mut [f32]]| rows.iter().map(|row| row.to_vec()).collect();
+    let around = |first: usize| {
+        let end = chain.len().min(first + SECTION);
+        let (before, after) = (first.saturating_sub(ROUNDS), chain.len().min(end + ROUNDS));
+        [copies(&chain[before..first]), copies(&chain[end..after])]
+    };
+    (0..chain.len()).step_by(SECTION).map(around).collect()
+}
+
+/// Replaces `out` by what `work` makes of it and of the pixels at the same places of `lines`, which are as
+/// long.
+fn by_lanes<const N: usize>(
+    out: &mut [f32],
+    lines: [&[f32]; N],
+    work: impl Fn(f32x8, [f32x8; N]) -> f32x8,
+) {
+    let (blocks, rest) = out.as_chunks_mut::<LANES>();
+    let lines = lines.map(|line| line.as_chunks::<LANES>());
+    for (k, block) in blocks.iter_mut().enumerate() {
+        let lanes = lines.map(|(blocks, _)| f32x8::new(blocks[k]));
+        *block = work(f32x8::new(*block), lanes).to_array();
+    }
+    let padded =
+        |rest: &[f32]| f32x8::new(std::array::from_fn(|k| rest.get(k).copied().unwrap_or(0.0)));
+    let last = work(padded(rest), lines.map(|(_, rest)| padded(rest))).to_array();
+    rest.copy_from_slice(&last[..rest.len()]);
 }
 
 #[cfg(test)]

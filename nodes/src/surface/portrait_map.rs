@@ -98,6 +98,9 @@ impl Node for PortraitMap {
             Background::Drop => self.z_min,
             Background::Keep => self.background_z,
         };
+        if behind.dark > behind.bright {
+            cx.warn("the mask selects the whole picture: nothing lies behind the portrait");
+        }
         if portrait.is_even() {
             cx.warn(format!("the portrait is one even gray: it is flat, at {foot} mm"));
         }

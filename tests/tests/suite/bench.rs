@@ -196,6 +196,17 @@ pub(crate) fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
+/// A file of the data folder (`../shared/data`, or where `CARVE_DATA` says), if it is there.
+pub(crate) fn data(name: &str) -> Option<String> {
+    let folder = std::env::var_os("CARVE_DATA").map(PathBuf::from);
+    let path = folder.unwrap_or_else(|| workspace().join("../shared/data")).join(name);
+    if !path.is_file() {
+        skipped(&format!("no {}, it was not carved (CARVE_DATA names its folder)", path.display()));
+        return None;
+    }
+    Some(path.display().to_string())
+}
+
 /// A recipe with a cutter of a stated size in it.
 pub(crate) fn with_diameter(recipe: &str, diameter: &str) -> String {
     let tool = "(kind: \"cutter\"";

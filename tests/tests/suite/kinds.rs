@@ -3,7 +3,9 @@
 
 use crate::bench::{standard_offers, workspace};
 use carvegraph_core::units::Dimension;
-use carvegraph_core::{Catalogs, Graph, Origin, ParamKind, ParamSpec, ParamValue, Registry};
+use carvegraph_core::{
+    Catalogs, Graph, NO_FILE, Origin, ParamKind, ParamSpec, ParamValue, Registry,
+};
 use carvegraph_nodes::{Batch, Cutters, LIBRARY, Machines, Tools, registry};
 use carvegraph_sdk::node::{Job, Node, NodeFault, Port};
 use carvegraph_sdk::value::Raw;
@@ -107,7 +109,11 @@ fn defaults_lie_within_their_range() {
     let registry = standard();
     for (what, param) in all_params(&registry) {
         let Some(default) = &param.default else {
-            assert_eq!(param.kind, ParamKind::InputFile, "{what} has no default");
+            assert_eq!(
+                param.kind,
+                ParamKind::InputFile { optional: false },
+                "{what} has no default"
+            );
             continue;
         };
         let fits = match (&param.kind, default) {
@@ -125,6 +131,7 @@ fn defaults_lie_within_their_range() {
             (ParamKind::Switch, ParamValue::Switch(_))
             | (ParamKind::Text, ParamValue::Text(_))
             | (ParamKind::OutputName, ParamValue::Output(_)) => true,
+            (ParamKind::InputFile { optional: true }, ParamValue::Text(none)) => none == NO_FILE,
             _ => false,
         };
         assert!(fits, "{what}: {default} is not {}", param.kind);

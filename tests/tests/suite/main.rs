@@ -16,6 +16,7 @@ mod interrupt;
 mod kinds;
 mod machines;
 mod plugins;
+mod portraits;
 mod prepared_pictures;
 mod program;
 mod real_pictures;

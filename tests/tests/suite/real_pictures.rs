@@ -5,22 +5,11 @@
 //! LinuxCNC's interpreter `rs274` comes with Debian's package `linuxcnc-uspace`. Where either is
 //! missing, the tests say so and pass.
 
-use crate::bench::{Bench, skipped, workspace};
+use crate::bench::{Bench, data, skipped};
 use crate::gcode::{Motion, read};
 use std::io;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::{Command, Stdio};
-
-/// The picture's path, if it is there.
-fn picture(name: &str) -> Option<PathBuf> {
-    let data = std::env::var_os("CARVE_DATA").map(PathBuf::from);
-    let path = data.unwrap_or_else(|| workspace().join("../shared/data")).join(name);
-    if !path.is_file() {
-        skipped(&format!("no {}, it was not carved (CARVE_DATA names its folder)", path.display()));
-        return None;
-    }
-    Some(path)
-}
 
 /// Lets LinuxCNC's interpreter read a program; `None` where there is no interpreter.
 ///
@@ -52,11 +41,11 @@ pub(crate) fn interpret(bench: &Bench, program: &str, tools: &str) -> Option<Str
 /// Carves a photograph with nothing set but the dialect.
 #[track_caller]
 fn assert_carved(name: &str) {
-    let Some(path) = picture(name) else { return };
+    let Some(path) = data(name) else { return };
     let bench = Bench::new();
-    let image = format!("image={}", path.display());
+    let image = format!("image={path}");
     let report = bench.run(&["relief", "--set", &image, "--set", "dialect=linuxcnc"]);
-    let stem = path.file_stem().unwrap().to_str().unwrap();
+    let stem = Path::new(&path).file_stem().unwrap().to_str().unwrap();
     let mut wanted: Vec<String> = ["-path.png", ".ngc", ".png", ".stl", ".txt"]
         .iter()
         .map(|ending| format!("{stem}{ending}"))

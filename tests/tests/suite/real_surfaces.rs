@@ -10,13 +10,12 @@
 //! The files lie outside of the repository (`../shared/data`, or where `CARVE_DATA` says). Where one is
 //! missing, its tests say so and pass.
 
-use crate::bench::{Bench, skipped, workspace};
+use crate::bench::{Bench, data, workspace};
 use crate::drop_heights::{Seen, sample, values_of};
 use carvegraph_geometry::{
     Bounds, ContactKind, Cutter, DVec2, DVec3, DropCutter, Mesh, Pattern, PatternSpan, PointCloud,
     SpanKind, Surface, Toolpath, oracle,
 };
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Where nothing is under the cutter, in mm.
@@ -35,17 +34,6 @@ const CUTTERS: [(&str, Settings, f64); 7] = [
     ("tapered_ball", &[("diameter", "6"), ("tool.tip_radius", "0.5")], 1e-6),
     ("form", &[("tool.drawing", "ogee.svg")], 1e-6),
 ];
-
-/// A file of the data folder, if it is there.
-fn data(name: &str) -> Option<String> {
-    let folder = std::env::var_os("CARVE_DATA").map(PathBuf::from);
-    let path = folder.unwrap_or_else(|| workspace().join("../shared/data")).join(name);
-    if !path.is_file() {
-        skipped(&format!("no {}, it was not carved (CARVE_DATA names its folder)", path.display()));
-        return None;
-    }
-    Some(path.display().to_string())
-}
 
 /// The cutter that a recipe makes of settings.
 fn cutter(bench: &Bench, shape: &str, settings: &[(&str, &str)]) -> Arc<Cutter> {
