@@ -127,7 +127,6 @@ fn defaults_lie_within_their_range() {
             (ParamKind::Catalog { catalog, .. }, ParamValue::Text(name)) => {
                 in_catalog(registry.catalogs(), catalog, name)
             }
-            (ParamKind::InputFile, ParamValue::Text(none)) => none.is_empty(),
             (ParamKind::Switch, ParamValue::Switch(_))
             | (ParamKind::Text, ParamValue::Text(_))
             | (ParamKind::OutputName, ParamValue::Output(_)) => true,
