@@ -5,7 +5,7 @@
 //! one by a share smaller. A line keeps what is within its width of the outline, inside of it, at the
 //! same distance everywhere.
 
-use super::sheet::{Drawn, Ground, Sheet, placed};
+use super::sheet::{Drawn, Ground, Place, Sheet};
 use carvegraph_core::{Choice, Context, Node, NodeError, Params, Yielding};
 use carvegraph_geometry::{DVec2, Filling, offset};
 use kurbo::{BezPath, Ellipse, PathEl, Point, Rect, Shape as _};
@@ -47,18 +47,8 @@ pub(crate) struct ShapeMask {
     /// How far the inner corners of a star are from its middle, its points being 100 % off.
     #[param(unit = "%", default = 38.0, range = 1.0..=100.0)]
     pub(crate) inner: f64,
-    /// Where its middle lies, to the right of the middle of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) x: f64,
-    /// Where its middle lies, above that of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) y: f64,
-    /// How far it is turned, counter-clockwise.
-    #[param(unit = "deg", default = 0.0, range = -360.0..=360.0)]
-    pub(crate) turn: f64,
-    /// What a picture's width counts as; a surface has its own.
-    #[param(unit = "mm", default = 100.0, range = 0.001..=100_000.0)]
-    pub(crate) picture_width: f64,
+    #[param(shared)]
+    pub(crate) place: Place,
 }
 
 /// Whether a shape is filled.
@@ -89,14 +79,14 @@ impl Node for ShapeMask {
     type Outputs = Drawn;
 
     fn run(&self, ground: Ground<'_>, cx: &Context<'_>) -> Result<Drawn, NodeError> {
-        let sheet = ground.sheet(self.picture_width)?;
+        let sheet = ground.sheet(self.place.picture_width)?;
         let room = sheet.size_mm - 2.0 * self.margin;
         let size = DVec2::new(self.width.or(Some(room.x)), self.height.or(Some(room.y)));
         if size.min_element() <= 0.0 {
             let message = format!("a shape of {:.3} × {:.3} mm has no inside", size.x, size.y);
             return Err(NodeError::refused("width", message));
         }
-        let path = sheet.to_pixels() * placed(self.x, self.y, self.turn) * self.path(size / 2.0);
+        let path = sheet.to_pixels() * self.place.to_sheet() * self.path(size / 2.0);
         let whole = Sheet::inside(&path, Filling::EvenOdd)?;
         let outline = match self.fill {
             Fill::Area => whole,
@@ -143,6 +133,7 @@ fn closed(corners: impl Iterator<Item = Point>) -> BezPath {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sheet::MIDDLE;
     use super::super::sheet::testing::{extent, on_image, on_surface};
     use super::*;
     use std::f64::consts::{PI, TAU};
@@ -158,10 +149,7 @@ mod tests {
             corner_radius: 0.0,
             points: 5,
             inner: 38.0,
-            x: 0.0,
-            y: 0.0,
-            turn: 0.0,
-            picture_width: 100.0,
+            place: MIDDLE,
         }
     }
 
@@ -182,7 +170,11 @@ mod tests {
         assert_area(&plain(Shape::Ellipse, 20.0, 10.0), PI * 10.0 * 5.0);
         let round = ShapeMask { corner_radius: 3.0, ..plain(Shape::Rectangle, 20.0, 10.0) };
         assert_area(&round, 200.0 - (4.0 - PI) * 9.0);
-        let hexagon = ShapeMask { points: 6, turn: 17.0, ..plain(Shape::Polygon, 20.0, 20.0) };
+        let hexagon = ShapeMask {
+            points: 6,
+            place: Place { turn: 17.0, ..MIDDLE },
+            ..plain(Shape::Polygon, 20.0, 20.0)
+        };
         assert_area(&hexagon, 3.0 * 100.0 * (TAU / 6.0).sin());
         // 2n triangles of sides r and 0.5 r, π/n apart.
         let star = ShapeMask { points: 7, inner: 50.0, ..plain(Shape::Star, 20.0, 20.0) };
@@ -212,11 +204,18 @@ mod tests {
 
     #[test]
     fn it_lies_where_it_is_told_turned_counter_clockwise() {
-        let node = ShapeMask { x: 20.0, y: 10.0, ..plain(Shape::Rectangle, 10.0, 4.0) };
+        let node = ShapeMask {
+            place: Place { x: 20.0, y: 10.0, ..MIDDLE },
+            ..plain(Shape::Rectangle, 10.0, 4.0)
+        };
         // A picture 100 mm wide has its middle at 50, 25, and y goes down.
         assert_eq!(extent(&on_image(&node, [100, 50]).unwrap()), [65.0, 13.0, 75.0, 17.0]);
-        let star =
-            ShapeMask { points: 3, inner: 1.0, turn: 90.0, ..plain(Shape::Star, 40.0, 40.0) };
+        let star = ShapeMask {
+            points: 3,
+            inner: 1.0,
+            place: Place { turn: 90.0, ..MIDDLE },
+            ..plain(Shape::Star, 40.0, 40.0)
+        };
         // The point that was at the top lies at the left.
         let [left, _, right, _] = extent(&on_image(&star, [100, 50]).unwrap());
         assert!(left == 30.0 && right == 60.0, "{left} {right}");

@@ -5,7 +5,7 @@
 //! millimetre a hundredth of its width.
 
 use crate::values::{GrayImage, Mask};
-use carvegraph_core::{Context, Inputs, NodeError, Outputs};
+use carvegraph_core::{Context, Inputs, NodeError, Outputs, Params};
 use carvegraph_geometry::{DVec2, Filling, HeightField, Polygon};
 use kurbo::{Affine, BezPath, PathEl, Point};
 
@@ -117,9 +117,32 @@ impl Sheet {
     }
 }
 
-/// Turned about the origin, then moved.
-pub(super) fn placed(x_mm: f64, y_mm: f64, turn_deg: f64) -> Affine {
-    Affine::translate((x_mm, y_mm)) * Affine::rotate(turn_deg.to_radians())
+/// Where what is drawn lies on its sheet.
+#[derive(Clone, Debug, Params)]
+pub(crate) struct Place {
+    /// Where its middle lies, to the right of the middle of the picture or surface.
+    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
+    pub(crate) x: f64,
+    /// Where its middle lies, above that of the picture or surface.
+    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
+    pub(crate) y: f64,
+    /// How far it is turned about that place, counter-clockwise.
+    #[param(unit = "deg", default = 0.0, range = -360.0..=360.0)]
+    pub(crate) turn: f64,
+    /// What a picture's width counts as; a surface has its own.
+    #[param(unit = "mm", default = 100.0, range = 0.001..=100_000.0)]
+    pub(crate) picture_width: f64,
+}
+
+/// Unturned, in the middle.
+#[cfg(test)]
+pub(super) const MIDDLE: Place = Place { x: 0.0, y: 0.0, turn: 0.0, picture_width: 100.0 };
+
+impl Place {
+    /// Turns about the origin, then moves.
+    pub(super) fn to_sheet(&self) -> Affine {
+        Affine::translate((self.x, self.y)) * Affine::rotate(self.turn.to_radians())
+    }
 }
 
 /// The closed loops of a path, its curves as chords.

@@ -8,7 +8,7 @@
 //! A drawing is untrusted: entities are refused, nothing it names outside of itself is read, and its
 //! size and depth are limited. Text, pictures, masks and filters are left out with a warning.
 
-use super::sheet::{Drawn, Ground, Sheet, placed};
+use super::sheet::{Drawn, Ground, Place, Sheet};
 use carvegraph_core::{Choice, Context, InputFile, Node, NodeError, Params};
 use carvegraph_geometry::{DVec2, Filling, Polygon};
 use kurbo::{Affine, BezPath};
@@ -59,18 +59,8 @@ pub(crate) struct SvgMask {
     /// Size of what was placed.
     #[param(unit = "%", default = 100.0, range = 0.01..=100_000.0)]
     pub(crate) scale: f64,
-    /// Where its middle lies, to the right of the middle of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) x: f64,
-    /// Where its middle lies, above that of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) y: f64,
-    /// How far it is turned, counter-clockwise.
-    #[param(unit = "deg", default = 0.0, range = -360.0..=360.0)]
-    pub(crate) turn: f64,
-    /// What a picture's width counts as; a surface has its own.
-    #[param(unit = "mm", default = 100.0, range = 0.001..=100_000.0)]
-    pub(crate) picture_width: f64,
+    #[param(shared)]
+    pub(crate) place: Place,
 }
 
 /// Which colours of a drawing count.
@@ -139,7 +129,7 @@ impl Node for SvgMask {
     type Outputs = Drawn;
 
     fn run(&self, ground: Ground<'_>, cx: &Context<'_>) -> Result<Drawn, NodeError> {
-        let sheet = ground.sheet(self.picture_width)?;
+        let sheet = ground.sheet(self.place.picture_width)?;
         let (size, room) = (sheet.size_mm, sheet.size_mm - 2.0 * self.margin);
         if self.placement != Placement::Size && room.min_element() <= 0.0 {
             let message = format!("it leaves no room on {:.3} × {:.3} mm", size.x, size.y);
@@ -202,7 +192,7 @@ impl SvgMask {
         }
         let middle = (left + 0.5 * width, top + 0.5 * height);
         Ok(sheet.to_pixels()
-            * placed(self.x, self.y, self.turn)
+            * self.place.to_sheet()
             * Affine::scale_non_uniform(scale.x, -scale.y)
             * Affine::translate((-middle.0, -middle.1)))
     }
@@ -456,6 +446,7 @@ fn bez_path(outline: &Outline) -> BezPath {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sheet::MIDDLE;
     use super::super::sheet::testing::{extent, on_image};
     use super::*;
     use carvegraph_core::Origin;
@@ -478,10 +469,7 @@ mod tests {
             placement: Placement::Fit,
             margin: 0.0,
             scale: 100.0,
-            x: 0.0,
-            y: 0.0,
-            turn: 0.0,
-            picture_width: 100.0,
+            place: MIDDLE,
         };
         (node, folder)
     }
@@ -583,7 +571,7 @@ mod tests {
         let sized = SvgMask { placement: Placement::Size, ..filling };
         assert_eq!(extent(&sized, [200, 200]), [89.0, 94.0, 111.0, 106.0]);
         // Up to the left of the page's middle becomes down to the left of it.
-        let turned = SvgMask { x: 10.0, y: 5.0, turn: 90.0, ..node };
+        let turned = SvgMask { place: Place { x: 10.0, y: 5.0, turn: 90.0, ..MIDDLE }, ..node };
         assert_eq!(extent(&turned, [200, 200]), [80.0, 130.0, 100.0, 170.0]);
     }
 

@@ -7,7 +7,7 @@
 //! The block's middle lies halfway between the top of its first line's capitals and its last
 //! baseline.
 
-use super::sheet::{Drawn, Ground, Sheet, placed};
+use super::sheet::{Drawn, Ground, Place, Sheet};
 use carvegraph_core::{Choice, Conflict, Context, InputFile, Node, NodeError, Params};
 use carvegraph_geometry::Filling;
 use kurbo::{Affine, BezPath};
@@ -38,7 +38,7 @@ pub(crate) struct TextMask {
     /// The widest that the text may be: a wider one is made smaller; 0 leaves it.
     #[param(unit = "mm", default = 0.0, range = 0.0..=100_000.0)]
     pub(crate) fit_width: f64,
-    /// What lines have in common, and which of it lies at x.
+    /// What lines have in common, and which of it lies at x: their beginning, middle or end.
     #[param(default = Align::Center)]
     pub(crate) align: Align,
     /// Distance of lines, of that which the font has.
@@ -47,18 +47,8 @@ pub(crate) struct TextMask {
     /// Room added between letters, of the height of capitals.
     #[param(unit = "%", default = 0.0, range = -50.0..=1000.0)]
     pub(crate) letter_spacing: f64,
-    /// Where the text lies, to the right of the middle of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) x: f64,
-    /// Where its middle lies, above that of the picture or surface.
-    #[param(unit = "mm", default = 0.0, range = -100_000.0..=100_000.0)]
-    pub(crate) y: f64,
-    /// How far it is turned about that place, counter-clockwise.
-    #[param(unit = "deg", default = 0.0, range = -360.0..=360.0)]
-    pub(crate) turn: f64,
-    /// What a picture's width counts as; a surface has its own.
-    #[param(unit = "mm", default = 100.0, range = 0.001..=100_000.0)]
-    pub(crate) picture_width: f64,
+    #[param(shared)]
+    pub(crate) place: Place,
 }
 
 /// The fonts that come with the program: DejaVu, for Latin, Greek, Cyrillic and more.
@@ -103,7 +93,7 @@ impl Node for TextMask {
     }
 
     fn run(&self, ground: Ground<'_>, cx: &Context<'_>) -> Result<Drawn, NodeError> {
-        let sheet = ground.sheet(self.picture_width)?;
+        let sheet = ground.sheet(self.place.picture_width)?;
         let bytes = match &self.font_file {
             Some(file) => cx.read(file)?,
             None => Cow::Borrowed(self.font.bytes()),
@@ -114,7 +104,7 @@ impl Node for TextMask {
         })?;
         let block = self.block(&Letters::of(&face))?;
         let scale = self.scale(block.width_mm, cx);
-        let place = sheet.to_pixels() * placed(self.x, self.y, self.turn) * Affine::scale(scale);
+        let place = sheet.to_pixels() * self.place.to_sheet() * Affine::scale(scale);
         let outline = Sheet::inside(&(place * block.path), Filling::NonZero)?;
         Ok(Drawn { mask: sheet.cover(outline.as_ref(), cx)? })
     }
@@ -264,6 +254,7 @@ impl OutlineBuilder for Pen {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sheet::MIDDLE;
     use super::super::sheet::testing::{extent, on_image, on_surface};
     use super::*;
 
@@ -277,10 +268,7 @@ mod tests {
             align: Align::Center,
             line_spacing: 100.0,
             letter_spacing: 0.0,
-            x: 0.0,
-            y: 0.0,
-            turn: 0.0,
-            picture_width: 100.0,
+            place: MIDDLE,
         }
     }
 
@@ -333,7 +321,8 @@ mod tests {
     #[test]
     fn lines_are_aligned_at_x() {
         let ends = |align| {
-            let [left, _, right, _] = box_of(&TextMask { align, x: 5.0, ..written("I\nIII") });
+            let [left, _, right, _] =
+                box_of(&TextMask { align, place: Place { x: 5.0, ..MIDDLE }, ..written("I\nIII") });
             (left, right)
         };
         // A bar stands 2.95/14.93 of the size from its place.
@@ -359,7 +348,7 @@ mod tests {
     fn turned_by_a_quarter_it_reads_upwards() {
         let node = written("HHH");
         let ([width, height], [left, top, right, bottom]) =
-            (size_of(&node), box_of(&TextMask { turn: 90.0, ..node }));
+            (size_of(&node), box_of(&TextMask { place: Place { turn: 90.0, ..MIDDLE }, ..node }));
         assert!((right - left - height).abs() < 0.11 && (bottom - top - width).abs() < 0.11);
     }
 
