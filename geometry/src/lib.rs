@@ -18,6 +18,7 @@ mod level;
 mod link;
 mod mesh;
 mod mesh_to_field;
+mod motion;
 #[cfg(any(feature = "oracle", test))]
 pub mod oracle;
 mod pattern;
@@ -46,6 +47,7 @@ pub use level::{Entry, LevelError, Levels, Milling, Rough, RoughStyle, Waterline
 pub use link::{LinkError, link_passes};
 pub use mesh::Mesh;
 pub use mesh_to_field::{FieldGrid, mesh_to_field};
+pub use motion::{Direction, Motion, Move, MoveKind, PathArc, Plane};
 pub use pattern::{
     Circles, ContourParallel, CrossRaster, Hilbert, Layout, Pace, Pattern, PatternSpan, Radial,
     Region, Spiral, Start, Turn,

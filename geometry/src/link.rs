@@ -63,6 +63,7 @@ pub fn link_passes(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<Tool
         contacts: Vec::with_capacity(room),
         spans: Vec::with_capacity(3 * path.spans.len() + 1),
         feeds: Some(feeds),
+        arcs: Vec::with_capacity(path.arcs.len()),
     };
     let above = |tip: DVec3| tip.with_z(safe_z_mm);
     for span in path.spans.iter().filter(|span| !span.points.is_empty()) {
@@ -79,6 +80,9 @@ pub fn link_passes(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<Tool
             linked.add_free(SpanKind::Plunge, &[first]);
         }
         let tips = &path.tips[span.points.clone()];
+        let start = linked.tips.len();
+        let arcs = path.arcs_within(span).iter();
+        linked.arcs.extend(arcs.map(|(end, arc)| (end - span.points.start + start, *arc)));
         linked.add(span.kind, tips, path.contacts[span.points.clone()].iter().copied());
     }
     if let Some(last) = linked.tips.last().copied() {
@@ -139,7 +143,8 @@ mod tests {
             .into();
         let span = |points, joined| Span { points, kind: SpanKind::Pass, joined };
         let contacts = vec![Contact::NONE; tips.len()];
-        Toolpath { tips, contacts, spans: vec![span(0..2, false), span(2..4, joined)], feeds: None }
+        let spans = vec![span(0..2, false), span(2..4, joined)];
+        Toolpath { tips, contacts, spans, ..Toolpath::default() }
     }
 
     fn kinds(path: &Toolpath) -> Vec<(SpanKind, usize)> {
@@ -209,7 +214,7 @@ mod tests {
             let error = link_passes(&path, 5.0, feeds).unwrap_err();
             assert!(matches!(error, LinkError::BadFeed { what: "plunge feed", .. }));
         }
-        let empty = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
+        let empty = Toolpath::default();
         assert_eq!(link_passes(&empty, 5.0, FEEDS), Err(LinkError::Empty));
         let linked = link_passes(&path, 5.0, FEEDS).unwrap();
         assert_eq!(link_passes(&linked, 5.0, FEEDS), Err(LinkError::AlreadyLinked));

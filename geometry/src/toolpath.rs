@@ -5,8 +5,10 @@
 //! point of a span is reached from the last point of the span before by the span's own kind of
 //! move; the very first point of a path is where it begins.
 
+use crate::{Motion, Move, MoveKind, PathArc};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// What a cutter touches.
@@ -74,7 +76,7 @@ pub struct Feeds {
 }
 
 /// A path of the cutter's tip, three-axis, tool axis +Z.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Toolpath {
     /// Positions of the tip (CL) in mm, in the order they are visited.
     pub tips: Vec<DVec3>,
@@ -84,6 +86,9 @@ pub struct Toolpath {
     pub spans: Vec<Span>,
     /// Speeds, once they are known.
     pub feeds: Option<Feeds>,
+    /// Moves that are arcs, by the index of the tip at which they end, in order; all others are straight.
+    /// An arc never leads from one span to the next.
+    pub arcs: Vec<(usize, PathArc)>,
 }
 
 impl Toolpath {
@@ -122,8 +127,73 @@ impl Toolpath {
                 .windows(2)
                 .map(|pair| pair[0].distance(pair[1]))
                 .sum::<f64>();
+            for (end, arc) in self.arcs_within(span) {
+                let (from, to) = (self.tips[end - 1], self.tips[*end]);
+                length += arc.length_mm(from, to) - from.distance(to);
+            }
         }
         length
+    }
+
+    /// The arcs of a span, with the indices of the tips at which they end.
+    pub fn arcs_within(&self, span: &Span) -> &[(usize, PathArc)] {
+        let before = |index: usize| self.arcs.partition_point(|(end, _)| *end < index);
+        &self.arcs[before(span.points.start)..before(span.points.end)]
+    }
+
+    /// The path without arcs: chords that stay within `tolerance_mm` of them. What is touched along a
+    /// chord is not known.
+    #[must_use]
+    pub fn flattened(&self, tolerance_mm: f64) -> Cow<'_, Self> {
+        if self.arcs.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut flat = Self { feeds: self.feeds, ..Self::default() };
+        for span in &self.spans {
+            let start = flat.tips.len();
+            let mut arcs = self.arcs_within(span).iter().peekable();
+            for index in span.points.clone() {
+                if let Some((end, arc)) = arcs.next_if(|(end, _)| *end == index) {
+                    let chords = arc.chords(self.tips[end - 1], self.tips[*end], tolerance_mm);
+                    flat.tips.extend(chords);
+                    flat.tips.pop();
+                }
+                flat.tips.push(self.tips[index]);
+                flat.contacts.resize(flat.tips.len() - 1, Contact::NONE);
+                flat.contacts.push(self.contacts[index]);
+            }
+            flat.spans.push(Span { points: start..flat.tips.len(), ..span.clone() });
+        }
+        Cow::Owned(flat)
+    }
+
+    /// The moves of a path that went through [`crate::link_passes`], from its first tip on. `None` until
+    /// it has feeds.
+    #[must_use]
+    pub fn motion(&self) -> Option<Motion> {
+        let feeds = self.feeds?;
+        let start = *self.tips.first()?;
+        let mut motion = Motion { start, moves: Vec::with_capacity(self.tips.len()), arcs: vec![] };
+        for span in &self.spans {
+            let mut arcs = self.arcs_within(span).iter().peekable();
+            for index in span.points.clone() {
+                let kind = match arcs.next_if(|(end, _)| *end == index) {
+                    Some((_, arc)) => {
+                        motion.arcs.push(*arc);
+                        MoveKind::Arc { arc: motion.arcs.len() as u32 - 1 }
+                    }
+                    None if span.kind == SpanKind::Rapid => MoveKind::Rapid,
+                    None => MoveKind::Line,
+                };
+                let mm_per_min = match span.kind {
+                    SpanKind::Pass | SpanKind::Link => feeds.cut_mm_per_min,
+                    SpanKind::Plunge => feeds.plunge_mm_per_min,
+                    SpanKind::Rapid => feeds.rapid_mm_per_min,
+                };
+                motion.moves.push(Move { to: self.tips[index], mm_per_min, kind });
+            }
+        }
+        Some(motion)
     }
 
     /// Length ÷ speed over all moves, in seconds; a machine that must accelerate takes longer.

@@ -146,7 +146,7 @@ pub(crate) mod testing {
             tips: vec![DVec3::new(0.0, 0.0, -depth_mm), DVec3::new(10.0, 0.0, -depth_mm)],
             contacts: vec![Contact::NONE; 2],
             spans: vec![Span { points: 0..2, kind: SpanKind::Pass, joined: false }],
-            feeds: None,
+            ..Toolpath::default()
         };
         let feeds =
             Feeds { cut_mm_per_min: 1000.0, plunge_mm_per_min: 300.0, rapid_mm_per_min: 5000.0 };

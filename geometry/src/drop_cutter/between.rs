@@ -192,6 +192,7 @@ impl Toolpath {
             contacts: Vec::with_capacity(count),
             spans: Vec::with_capacity(self.spans.len()),
             feeds: self.feeds,
+            arcs: Vec::new(),
         };
         let mut between = between.iter().peekable();
         for span in &self.spans {

@@ -49,7 +49,7 @@ pub(super) fn drop_at_places(
         tick(places.len()).then_some(())
     })?;
     let spans = pattern.spans.iter().map(span_of).collect();
-    Some(Toolpath { tips, contacts, spans, feeds: None })
+    Some(Toolpath { tips, contacts, spans, ..Toolpath::default() })
 }
 
 /// A square of the plan, as wide as a chunk is long, that holds the middle of the chunk: its row and

@@ -123,7 +123,7 @@ impl Levels<'_> {
         // Levels stand for points here: the caller counts these.
         let dropped = cutter.path(&pattern, self.floor_mm, &|_| tick(0));
         let dropped = dropped.ok_or(DropError::Stopped)?;
-        let mut path = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
+        let mut path = Toolpath::default();
         let mut at = 0;
         for chain in &chains {
             let count = chain.places().count();

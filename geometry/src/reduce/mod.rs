@@ -119,6 +119,7 @@ fn assemble(path: &Toolpath, kept: &[Kept]) -> (Toolpath, Reduction) {
         contacts: Vec::with_capacity(total),
         spans: Vec::with_capacity(path.spans.len()),
         feeds: path.feeds,
+        arcs: Vec::new(),
     };
     let mut facts = Reduction {
         points_in: 0,
@@ -221,7 +222,7 @@ pub(crate) mod tests {
 
     /// A path of one span for each list of points.
     pub(crate) fn path_of(spans: &[Vec<DVec3>]) -> Toolpath {
-        let mut path = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
+        let mut path = Toolpath::default();
         for tips in spans {
             let start = path.tips.len();
             path.tips.extend(tips);

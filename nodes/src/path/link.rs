@@ -70,7 +70,7 @@ mod tests {
             tips: vec![DVec3::new(0.0, 0.0, 1.0), DVec3::new(4.0, 0.0, 2.0)],
             contacts: vec![Contact::NONE; 2],
             spans: vec![Span { points: 0..2, kind: SpanKind::Pass, joined: false }],
-            feeds: None,
+            ..Toolpath::default()
         };
         let part = Bounds { min: DVec3::ZERO, max: DVec3::new(4.0, 4.0, 7.0) };
         run(|cx| node.run(Loose { toolpath: &path, part: &part, setup }, cx)).unwrap().toolpath

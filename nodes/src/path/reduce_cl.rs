@@ -78,7 +78,7 @@ mod tests {
             tips: heights.iter().enumerate().map(tip).collect(),
             contacts: vec![Contact::NONE; heights.len()],
             spans: vec![Span { points: 0..heights.len(), kind: SpanKind::Pass, joined: false }],
-            feeds: None,
+            ..Toolpath::default()
         };
         let node = ReduceCl { method, tolerance, gouge: 0.0 };
         let reduced = run(|cx| node.run(Full { toolpath: &path }, cx)).unwrap();

@@ -122,16 +122,20 @@ impl Crosses for Pattern {
     }
 }
 
+/// Plugins see arcs as chords so close to them, in mm: what a program's last decimal can say.
+const ARC_TOLERANCE_MM: f64 = 0.001;
+
 impl Crosses for Toolpath {
     type Seen<'a> = seen::Toolpath<'a>;
 
     fn seen(&self) -> seen::Toolpath<'_> {
+        let path = self.flattened(ARC_TOLERANCE_MM);
         seen::Toolpath {
-            tips: numbers(&self.tips),
-            contact_points: self.contacts.iter().map(|contact| contact.point.to_array()).collect(),
-            contact_kinds: self.contacts.iter().map(|contact| contact.kind).collect(),
-            spans: self.spans.clone(),
-            feeds: self.feeds,
+            tips: numbers(&path.tips),
+            contact_points: path.contacts.iter().map(|contact| contact.point.to_array()).collect(),
+            contact_kinds: path.contacts.iter().map(|contact| contact.kind).collect(),
+            spans: path.spans.clone(),
+            feeds: path.feeds,
         }
     }
 
@@ -147,6 +151,7 @@ impl Crosses for Toolpath {
             tips: points(made.tips),
             spans: made.spans,
             feeds: made.feeds,
+            arcs: Vec::new(),
         })
     }
 }

@@ -5,6 +5,8 @@
 //! 40 bytes of plain data; the few that need more (texts, arcs) point into tables of the
 //! [`Program`]. Enums and structs that stand in slices have a C layout.
 
+pub use carvegraph_geometry::{Direction, Plane};
+
 /// Units of the written program; a [`Program`] itself is always in mm.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,41 +16,6 @@ pub enum Units {
     Mm,
     /// Inches and inches/min (G20).
     Inch,
-}
-
-/// A sense of turning: of the spindle seen from above the work, of an arc seen against the axis
-/// that stands on its plane.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// As the hands of a clock: M3, G2.
-    Clockwise,
-    /// Against the hands of a clock: M4, G3.
-    CounterClockwise,
-}
-
-/// The plane an arc lies in. First and second axis are named in their right-handed order.
-#[repr(u32)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
-    /// Seen from +Z (G17).
-    Xy,
-    /// Seen from +Y (G18).
-    Zx,
-    /// Seen from +X (G19).
-    Yz,
-}
-
-impl Plane {
-    /// Indices into x, y, z of the plane's first axis, its second, and the one that stands on it.
-    #[must_use]
-    pub const fn axes(self) -> [usize; 3] {
-        match self {
-            Self::Xy => [0, 1, 2],
-            Self::Zx => [2, 0, 1],
-            Self::Yz => [1, 2, 0],
-        }
-    }
 }
 
 /// An arc from where the tip is to `to`, a helix if `to` lies off the plane.

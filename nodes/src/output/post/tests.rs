@@ -329,6 +329,7 @@ fn each_kind_of_move_has_its_speed() {
             plunge_mm_per_min: 300.0,
             rapid_mm_per_min: 5000.0,
         }),
+        arcs: Vec::new(),
     };
     let moves = |path: &Toolpath| {
         let (cutter, setup) = (ball(3.0), Setup::default());

@@ -220,7 +220,7 @@ mod tests {
 
     /// A path whose spans are all joined.
     fn path(spans: &[(SpanKind, &[[f64; 3]])]) -> Toolpath {
-        let mut path = Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None };
+        let mut path = Toolpath::default();
         for (kind, tips) in spans {
             let start = path.tips.len();
             path.tips.extend(tips.iter().copied().map(DVec3::from));

@@ -97,6 +97,7 @@ fn path() -> Toolpath {
             plunge_mm_per_min: 300.0,
             rapid_mm_per_min: 3e3,
         }),
+        arcs: Vec::new(),
     }
 }
 

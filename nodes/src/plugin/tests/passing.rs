@@ -50,7 +50,7 @@ fn surfaces_pass_unharmed() {
 fn paths_pass_unharmed() {
     passes("toolpath", path());
     passes("toolpath", Toolpath { feeds: None, ..path() });
-    passes("toolpath", Toolpath { tips: vec![], contacts: vec![], spans: vec![], feeds: None });
+    passes("toolpath", Toolpath::default());
     let span = |points, link, joined| PatternSpan { points, link, joined };
     let spans = vec![span(0..2, false, false), span(2..3, true, true), span(3..5, false, true)];
     let points = (0..5).map(|k| DVec2::new(k as f64 / 3.0, -0.0)).collect();
