@@ -5,8 +5,10 @@
 //! its definition.
 
 mod assemble;
+mod check;
 mod job;
 mod library;
+mod machining;
 mod mask;
 mod offers;
 mod output;
@@ -26,6 +28,7 @@ pub use assemble::registry;
 pub use carvegraph_sdk::{CutterShape, Dialect};
 pub use job::{Drive, Job, Operation};
 pub use library::LIBRARY;
+pub use machining::{Machining, TextFault, ToolRun};
 pub use offers::{Batch, OfferError, Offers};
 pub use plugin::{PluginNodeError, kind_of};
 pub use services::{Cutters, Dialects};

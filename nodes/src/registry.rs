@@ -1,13 +1,14 @@
 //! The one list of nodes, and the one list of what passes between them.
 
 use crate::job::{Job, Operation, described};
+use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
 use crate::{mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
-    Bounds, Cutter, Defects, HeightField, Mesh, Pattern, PointCloud, Polygon, Reduction, SpanKind,
-    Toolpath,
+    Bounds, Cutter, Defects, HeightField, Mesh, Move, Pattern, PointCloud, Polygon, Reduction,
+    SpanKind, Toolpath,
 };
 use serde_json::{Value as Json, json};
 use std::mem::size_of;
@@ -120,6 +121,12 @@ pub(crate) fn types() -> Vec<PortType> {
         ),
         PortType::of("image", "A picture as it was loaded", image_facts, image_bytes),
         PortType::of("job", "Operations in the order in which they are cut", job_facts, job_bytes),
+        PortType::of(
+            "machining",
+            "What a machine does when it runs a program",
+            machining_facts,
+            machining_bytes,
+        ),
         PortType::of("mask", "Which pixels of a picture are meant", mask_facts, |mask: &Mask| {
             mask.values.len() * 4
         }),
@@ -210,6 +217,20 @@ fn picture_facts(width: usize, height: usize, channels: usize, bits: u32) -> Fac
 
 fn gray_facts(image: &GrayImage) -> Facts {
     picture_facts(image.width, image.height, 1, 32)
+}
+
+fn machining_facts(machining: &Machining) -> Facts {
+    let moves = machining.runs.iter().map(|run| run.motion.moves.len());
+    facts([
+        ("moves", json!(moves.sum::<usize>())),
+        ("tools", json!(machining.runs.len())),
+        ("faults", json!(machining.faults.len())),
+    ])
+}
+
+fn machining_bytes(machining: &Machining) -> usize {
+    let moves = machining.runs.iter().map(|run| run.motion.moves.len());
+    moves.sum::<usize>() * (size_of::<Move>() + size_of::<u32>())
 }
 
 fn mask_facts(mask: &Mask) -> Facts {
