@@ -4,7 +4,7 @@ use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
-use crate::{mask, output, path, picture, relief, surface};
+use crate::{check, mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Move, Pattern, PointCloud, Polygon, Reduction,
@@ -50,6 +50,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<picture::Levels>("picture"),
         NodeKind::of::<relief::LimitSlope>("relief"),
         NodeKind::of::<path::Link>("path"),
+        NodeKind::of::<check::LoadGcode>("check"),
         NodeKind::of::<picture::LoadImage>("picture"),
         NodeKind::of::<mask::LoadMask>("mask"),
         NodeKind::of::<surface::LoadMesh>("surface"),
@@ -68,6 +69,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::Preview>("output"),
         NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
+        NodeKind::of::<check::ReadGcode>("check"),
         NodeKind::of::<path::ReduceCl>("path"),
         NodeKind::of::<picture::ResizeImage>("picture"),
         NodeKind::of::<path::RestAreaNode>("path"),
