@@ -1,5 +1,6 @@
 //! The one list of nodes, and the one list of what passes between them.
 
+use crate::check::Verification;
 use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
@@ -93,6 +94,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<mask::TraceMask>("mask"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
+        NodeKind::of::<check::Verify>("check"),
         NodeKind::of::<picture::Vignette>("picture"),
         NodeKind::of::<path::WaterlineNode>("path"),
         NodeKind::of::<surface::ZMap>("surface"),
@@ -172,7 +174,22 @@ pub(crate) fn types() -> Vec<PortType> {
             |sheet: &ToolSheet| sheet.materials.len() * 72,
         ),
         PortType::of("toolpath", "A path of the cutter's tip", path_facts, path_bytes),
+        PortType::of(
+            "verification",
+            "What was verified of a program",
+            verification_facts,
+            |_: &Verification| size_of::<Verification>(),
+        ),
     ]
+}
+
+fn verification_facts(verification: &Verification) -> Facts {
+    facts([
+        ("passes", json!(verification.faults.is_empty())),
+        ("faults", json!(verification.faults)),
+        ("looked_at", json!(verification.looked_at)),
+        ("departure_mm", json!(verification.departure_mm)),
+    ])
 }
 
 fn facts<const N: usize>(facts: [(&'static str, Json); N]) -> Facts {

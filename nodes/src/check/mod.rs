@@ -4,6 +4,8 @@ mod follow;
 mod load_gcode;
 mod read;
 mod read_gcode;
+mod verify;
 
 pub(crate) use load_gcode::LoadGcode;
 pub(crate) use read_gcode::ReadGcode;
+pub(crate) use verify::{Verification, Verify};
