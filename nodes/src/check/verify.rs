@@ -265,7 +265,7 @@ mod tests {
         refused(&GOOD.replace("X10", "X-10"), "line 6: it leaves the path that was meant by 10.");
         refused(&GOOD.replace("X10 F1000\n", ""), "leaves the path that was meant");
         refused(&GOOD.replace("M3 S9000\n", ""), "line 4: it cuts with the spindle standing still");
-        refused(&GOOD.replace("M30\n", ""), "without an end");
+        refused(&GOOD.replace("M5\nM30\n", ""), "without an end");
         refused(&GOOD.replace("G1 Z-1 F300\nX10 F1000\n", ""), "cuts are missing");
         refused(&GOOD.replace("X10", "G20 X10"), "line 6: it changes between");
         refused("G21\nM3\nM30\n", "it does not move");
