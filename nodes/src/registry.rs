@@ -1,10 +1,11 @@
 //! The one list of nodes, and the one list of what passes between them.
 
+use crate::check::Verification;
 use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
-use crate::{mask, output, path, picture, relief, surface};
+use crate::{check, mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Move, Pattern, PointCloud, Polygon, Reduction,
@@ -50,6 +51,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<picture::Levels>("picture"),
         NodeKind::of::<relief::LimitSlope>("relief"),
         NodeKind::of::<path::Link>("path"),
+        NodeKind::of::<check::LoadGcode>("check"),
         NodeKind::of::<picture::LoadImage>("picture"),
         NodeKind::of::<mask::LoadMask>("mask"),
         NodeKind::of::<surface::LoadMesh>("surface"),
@@ -68,6 +70,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::Preview>("output"),
         NodeKind::of::<path::RadialNode>("path"),
         NodeKind::of::<path::RasterNode>("path"),
+        NodeKind::of::<check::ReadGcode>("check"),
         NodeKind::of::<path::ReduceCl>("path"),
         NodeKind::of::<picture::ResizeImage>("picture"),
         NodeKind::of::<path::RestAreaNode>("path"),
@@ -91,6 +94,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<mask::TraceMask>("mask"),
         NodeKind::of::<surface::TransformMesh>("surface"),
         NodeKind::of::<surface::TransformPoints>("surface"),
+        NodeKind::of::<check::Verify>("check"),
         NodeKind::of::<picture::Vignette>("picture"),
         NodeKind::of::<path::WaterlineNode>("path"),
         NodeKind::of::<surface::ZMap>("surface"),
@@ -170,7 +174,22 @@ pub(crate) fn types() -> Vec<PortType> {
             |sheet: &ToolSheet| sheet.materials.len() * 72,
         ),
         PortType::of("toolpath", "A path of the cutter's tip", path_facts, path_bytes),
+        PortType::of(
+            "verification",
+            "What was verified of a program",
+            verification_facts,
+            |_: &Verification| size_of::<Verification>(),
+        ),
     ]
+}
+
+fn verification_facts(verification: &Verification) -> Facts {
+    facts([
+        ("passes", json!(verification.faults.is_empty())),
+        ("faults", json!(verification.faults)),
+        ("looked_at", json!(verification.looked_at)),
+        ("departure_mm", json!(verification.departure_mm)),
+    ])
 }
 
 fn facts<const N: usize>(facts: [(&'static str, Json); N]) -> Facts {

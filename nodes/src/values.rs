@@ -1,5 +1,6 @@
 //! Values that pass between nodes and are no geometry: pictures, programs, remarks.
 
+use carvegraph_geometry::{Cutter, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// What a picture's samples are.
@@ -108,6 +109,8 @@ pub struct Gcode {
     pub dialect: String,
     /// The extension that the controller wants its files to have.
     pub extension: String,
+    /// Where the zero of the programs lies in the part's frame, in mm, if it is known.
+    pub zero: Option<DVec3>,
 }
 
 /// One program.
@@ -126,8 +129,8 @@ pub struct ProgramText {
 pub struct ToolUse {
     /// The number that the program calls it by, if it does.
     pub number: Option<u32>,
-    /// The cutter, in words.
-    pub cutter: String,
+    /// The cutter.
+    pub cutter: Cutter,
     /// What it is used for.
     pub operations: String,
 }
@@ -137,7 +140,7 @@ impl Gcode {
     #[must_use]
     pub fn single(text: Vec<u8>, dialect: String, extension: String) -> Self {
         let program = ProgramText { name: String::new(), tools: Vec::new(), text };
-        Self { programs: vec![program], dialect, extension }
+        Self { programs: vec![program], dialect, extension, zero: None }
     }
 
     /// Number of lines of all programs.

@@ -8,6 +8,7 @@ mod save_gcode;
 mod save_points;
 mod save_stl;
 mod summary;
+pub(crate) mod zero;
 
 pub(crate) use operation::OperationNode;
 pub(crate) use post::Post;

@@ -193,12 +193,13 @@ fn describe_tools(program: &ProgramText, say: &mut impl FnMut(&str, String)) {
 
 /// "ball, diameter 3 mm, for finish"
 fn used(tool: &ToolUse) -> String {
-    format!("{}, for {}", tool.cutter, tool.operations)
+    format!("{}, for {}", described(&tool.cutter), tool.operations)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::testing::{ball, flat};
 
     const NOTHING: Made<'_> = Made {
         surface: None,
@@ -248,10 +249,10 @@ mod tests {
         );
     }
 
-    fn program(name: &str, tools: &[(u32, &str, &str)]) -> ProgramText {
-        let used = |&(number, cutter, operations): &(u32, &str, &str)| ToolUse {
+    fn program(name: &str, tools: &[(u32, &Cutter, &str)]) -> ProgramText {
+        let used = |&(number, cutter, operations): &(u32, &Cutter, &str)| ToolUse {
             number: Some(number).filter(|number| *number > 0),
-            cutter: cutter.into(),
+            cutter: cutter.clone(),
             operations: operations.into(),
         };
         let tools = tools.iter().map(used).collect();
@@ -260,13 +261,13 @@ mod tests {
 
     fn told(programs: Vec<ProgramText>) -> String {
         let (dialect, extension) = ("grbl".to_owned(), "nc".to_owned());
-        let code = Gcode { programs, dialect, extension };
+        let code = Gcode { programs, dialect, extension, zero: None };
         summary("mother", &Made { program: Some(&code), ..NOTHING })
     }
 
     #[test]
     fn several_programs_are_listed_with_their_tools_and_what_to_do_between_them() {
-        let (flat, ball) = ("flat, diameter 6 mm", "ball, diameter 3 mm");
+        let (flat, ball) = (&flat(6.0), &ball(3.0));
         let one = program("", &[(0, ball, "finish")]);
         assert_eq!(told(vec![one]), "mother\nprogram    2 lines, 7 bytes, dialect grbl\n");
         let rough = program("1-rough", &[(0, flat, "rough")]);

@@ -39,15 +39,14 @@ pub(crate) struct Violation {
 }
 
 impl Demands {
+    /// To go so far: the least and the greatest coordinates in the program's frame.
+    pub(crate) fn reaching(min: DVec3, max: DVec3) -> Self {
+        Self { min, max, spindle_rpm: None, feed_mm_per_min: 0.0, tool: None }
+    }
+
     /// What these commands ask.
     pub(crate) fn of(commands: &[Command]) -> Self {
-        let mut demands = Self {
-            min: DVec3::INFINITY,
-            max: DVec3::NEG_INFINITY,
-            spindle_rpm: None,
-            feed_mm_per_min: 0.0,
-            tool: None,
-        };
+        let mut demands = Self::reaching(DVec3::INFINITY, DVec3::NEG_INFINITY);
         for command in commands {
             match *command {
                 Command::Rapid { to } => demands.reach(to),

@@ -1,9 +1,10 @@
 //! What stands in the head of a program for its operator.
 
+use super::Post;
 use super::commands::rpm;
 use super::tools::{Run, described_tool};
-use super::{Post, XyZero, ZZero};
 use crate::job::{Step, described};
+use crate::output::zero::{XyZero, ZZero};
 use crate::shop::{Machine, NONE, short};
 use carvegraph_geometry::Bounds;
 
@@ -27,11 +28,11 @@ pub(super) fn remarks(
     machine: &Machine,
 ) -> Vec<String> {
     let size = part.size();
-    let z_zero = match post.z_zero {
+    let z_zero = match post.zero.z_zero {
         ZZero::Top => "top of the part",
         ZZero::Bottom => "bottom: the frame of the saved model",
     };
-    let xy_zero = match post.xy_zero {
+    let xy_zero = match post.zero.xy_zero {
         XyZero::Corner => "near left corner",
         XyZero::Center => "middle of the part",
     };

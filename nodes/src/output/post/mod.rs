@@ -14,14 +14,15 @@ mod commands;
 mod head;
 mod tools;
 
-use crate::job::{Drive, Job, Step, check_name, described};
+use crate::job::{Drive, Job, Step, check_name};
+use crate::output::zero::Zero;
 use crate::services::Dialects;
 use crate::shop::{Machine, Setup};
 use crate::values::{Gcode, ProgramText, ToolUse};
 use carvegraph_core::{
     Choice, Conflict, Context, Inputs, Node, NodeError, Outputs, Params, Yielding,
 };
-use carvegraph_geometry::{Bounds, Cutter, DVec3, Toolpath};
+use carvegraph_geometry::{Bounds, Cutter, Toolpath};
 use carvegraph_sdk::{Dialect, PostError, Program, Stock, Units};
 use commands::{Sequence, note_speeds};
 use head::{Place, names, remarks};
@@ -41,12 +42,8 @@ pub(crate) struct Post {
     /// Speed of the spindle.
     #[param(unit = "rpm", default = 12_000.0, range = 1.0..=200_000.0)]
     pub(crate) spindle: Yielding<f64>,
-    /// Where Z is 0: at the top of the part or at its bottom.
-    #[param(default = ZZero::Top)]
-    pub(crate) z_zero: ZZero,
-    /// Where X and Y are 0: at the near left corner of the part or above its middle.
-    #[param(default = XyZero::Corner)]
-    pub(crate) xy_zero: XyZero,
+    #[param(shared)]
+    pub(crate) zero: Zero,
     /// Units of the program.
     #[param(default = UnitSystem::Mm)]
     pub(crate) units: UnitSystem,
@@ -66,24 +63,6 @@ pub(crate) struct Post {
     /// Whether arcs may be written; if not, they become short lines.
     #[param(default = true)]
     pub(crate) arcs: Yielding<bool>,
-}
-
-/// Where Z is 0.
-#[derive(Clone, Copy, Debug, PartialEq, Choice)]
-pub(crate) enum ZZero {
-    /// The part's highest point.
-    Top,
-    /// The part's own frame.
-    Bottom,
-}
-
-/// Where X and Y are 0.
-#[derive(Clone, Copy, Debug, PartialEq, Choice)]
-pub(crate) enum XyZero {
-    /// The near left corner of the part.
-    Corner,
-    /// The middle of the part.
-    Center,
 }
 
 /// Units of a program.
@@ -151,24 +130,12 @@ impl Node for Post {
         let text = Text { post: self, part: inputs.part, steps: &steps, machine, division, cx };
         let programs = text.programs(dialect)?;
         let extension = dialect.extension().to_owned();
-        Ok(Posted { program: Gcode { programs, dialect: name, extension } })
+        let zero = Some(self.zero.of(inputs.part));
+        Ok(Posted { program: Gcode { programs, dialect: name, extension, zero } })
     }
 }
 
 impl Post {
-    /// The point of the part's frame that is the program's zero.
-    fn origin(&self, part: &Bounds) -> DVec3 {
-        let xy = match self.xy_zero {
-            XyZero::Corner => DVec3::ZERO,
-            XyZero::Center => part.center(),
-        };
-        let z = match self.z_zero {
-            ZZero::Top => part.max.z,
-            ZZero::Bottom => 0.0,
-        };
-        xy.with_z(z)
-    }
-
     /// The fault that there is no dialect of that name; if the machine names it, it is shown there.
     fn no_dialect(&self, name: &str, machine: &Machine) -> NodeError {
         if self.dialect.is_set() || machine.is_none() {
@@ -220,7 +187,7 @@ impl Text<'_> {
         if steps.len() > 1 {
             steps.iter().try_for_each(|step| step.check_ends(part.max.z))?;
         }
-        let sequence = Sequence::new(steps, division, self.post.origin(part), machine)?;
+        let sequence = Sequence::new(steps, division, self.post.zero.of(part), machine)?;
         sequence.check(steps, machine, cx)?;
         note_speeds(steps, machine, cx);
         division.warnings(steps, machine).into_iter().for_each(|warning| cx.warn(warning));
@@ -251,7 +218,7 @@ impl Text<'_> {
         let remarks = remarks(post, part, place, steps, machine);
         let remarks: Vec<&str> = remarks.iter().map(String::as_str).collect();
         let texts: Vec<&str> = sequence.texts.iter().map(String::as_str).collect();
-        let origin = post.origin(part);
+        let origin = post.zero.of(part);
         let program = Program {
             title: &title,
             remarks: &remarks,
@@ -282,7 +249,7 @@ impl Text<'_> {
 
     fn tool_use(&self, run: &Run) -> ToolUse {
         let steps = &self.steps[run.steps.clone()];
-        let cutter = described(steps[0].cutter);
+        let cutter = steps[0].cutter.clone();
         ToolUse { number: run.number, cutter, operations: names(steps) }
     }
 }

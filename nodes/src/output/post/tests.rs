@@ -4,17 +4,17 @@
 use super::*;
 use crate::job::Operation;
 use crate::job::testing::{ball, flat, job, operation, path};
+use crate::output::zero::{XyZero, ZZero};
 use crate::shop::{SetBy, SpindleRange, ToolChange};
 use carvegraph_core::{Catalogs, with_context};
-use carvegraph_geometry::{Contact, Span, SpanKind};
+use carvegraph_geometry::{Contact, DVec3, Span, SpanKind};
 use carvegraph_sdk::{Capabilities, Command, Direction};
 
 fn post(z_zero: ZZero, xy_zero: XyZero) -> Post {
     Post {
         dialect: Yielding::left("plain".to_owned()),
         spindle: Yielding::left(9000.0),
-        z_zero,
-        xy_zero,
+        zero: Zero { z_zero, xy_zero },
         units: UnitSystem::Mm,
         tool: Yielding::left(0),
         name: "finish".to_owned(),
@@ -100,7 +100,7 @@ fn rough() -> Job {
 #[test]
 fn zero_is_where_the_user_says() {
     let part = Bounds { min: DVec3::new(0.0, 0.0, -1.0), max: DVec3::new(8.0, 6.0, 4.0) };
-    let origin = |z, xy| post(z, xy).origin(&part);
+    let origin = |z, xy| post(z, xy).zero.of(&part);
     assert_eq!(origin(ZZero::Bottom, XyZero::Corner), DVec3::ZERO);
     assert_eq!(origin(ZZero::Top, XyZero::Corner), DVec3::new(0.0, 0.0, 4.0));
     assert_eq!(origin(ZZero::Top, XyZero::Center), DVec3::new(4.0, 3.0, 4.0));
@@ -161,8 +161,8 @@ fn a_program_that_changes_tools_names_them_and_changes_above_the_part() {
         ]
     );
     let tools: Vec<_> =
-        program.tools.iter().map(|tool| (tool.number, tool.cutter.as_str())).collect();
-    assert_eq!(tools, [(Some(1), "flat, diameter 6 mm"), (Some(2), "ball, diameter 3 mm")]);
+        program.tools.iter().map(|tool| (tool.number, tool.cutter.name.as_str())).collect();
+    assert_eq!(tools, [(Some(1), "flat"), (Some(2), "ball")]);
 }
 
 #[test]
