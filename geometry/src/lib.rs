@@ -29,6 +29,7 @@ mod profile;
 mod raster;
 mod reduce;
 mod relief;
+mod simulate;
 mod stitch;
 mod toolpath;
 mod trace;
@@ -59,6 +60,10 @@ pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
 pub use relief::{BasRelief, SlopeLimit, bas_relief, limit_slope};
+pub use simulate::{
+    ARC_TOLERANCE_MM, Cut, Load, RAPID_TOLERANCE_MM, RapidCut, Removal, SimulateError, Simulation, StepDown,
+    Stock, simulate,
+};
 pub use stitch::{StitchError, close_solid, point_cloud, stitch};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
 pub use trace::{TraceError, trace_level};

@@ -51,6 +51,7 @@ pub(crate) fn asked_for(name: &str) -> bool {
 pub(crate) struct Pools([ThreadPool; 2]);
 
 /// Makes the pools and prints the head of the table.
+#[allow(dead_code, reason = "each bench prints one of the tables")]
 pub(crate) fn begin() -> Pools {
     let groups = ["index", "1 thread", "2 threads"];
     println!("{:41} {:>17} {:>17} {:>17} {:>7}", "", groups[0], groups[1], groups[2], "2 / 1");
@@ -58,12 +59,17 @@ pub(crate) fn begin() -> Pools {
         "{:32} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}",
         "job", "CL", "cpu s", "wall s", "cpu us", "wall us", "cpu us", "wall us", "cpu"
     );
+    pools()
+}
+
+fn pools() -> Pools {
     Pools([1, 2].map(|threads| {
         ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
     }))
 }
 
 /// Prints the row of a job.
+#[allow(dead_code, reason = "each bench prints one of the tables")]
 pub(crate) fn row(
     Pools(pools): &Pools,
     name: &str,
@@ -121,4 +127,36 @@ pub(crate) fn cutters() -> Vec<(&'static str, Profile)> {
         ("form, hollow", Profile::new([line(0.5, 0.0)].into_iter().chain(hollow).collect())),
     ];
     made.into_iter().map(|(name, made)| (name, made.expect("the shape is sound"))).collect()
+}
+
+/// Makes the pools and prints the head of a table of whole jobs.
+#[allow(dead_code, reason = "each bench prints one of the tables")]
+pub(crate) fn begin_jobs(what: &str) -> Pools {
+    let head = ["1 cpu s", "1 wall s", "2 cpu s", "2 wall s"];
+    println!(
+        "{:32} {what:>8} {:>8} {:>8} {:>8} {:>8}",
+        "job", head[0], head[1], head[2], head[3]
+    );
+    pools()
+}
+
+/// Prints the row of a job that does so many things.
+#[allow(dead_code, reason = "each bench prints one of the tables")]
+pub(crate) fn job<T: Send>(
+    Pools(pools): &Pools,
+    name: &str,
+    count: usize,
+    run: impl Fn() -> T + Sync,
+) {
+    let mut least = [Times::LONGEST; 2];
+    for _ in 0..RUNS {
+        for (pool, least) in pools.iter().zip(&mut least) {
+            *least = least.least(pool.install(|| Times::of(&run).0));
+        }
+    }
+    let [one, two] = least;
+    println!(
+        "{name:32} {count:8} {:8.3} {:8.3} {:8.3} {:8.3}",
+        one.cpu, one.wall, two.cpu, two.wall
+    );
 }

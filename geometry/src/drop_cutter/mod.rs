@@ -54,9 +54,12 @@ mod pyramid;
 mod rising;
 mod search;
 mod shape;
+mod swept;
 
 #[cfg(doc)]
 use crate::Profile;
 pub use on_height_field::{Against, drop_on_height_field};
 pub use on_mesh::{DropError, drop_on_mesh, drop_on_points};
 pub use prepared::{DropCutter, Surface};
+pub(crate) use shape::ShapeKind;
+pub(crate) use swept::Swept;

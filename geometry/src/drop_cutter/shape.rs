@@ -52,7 +52,7 @@ pub(super) trait Shape: Sync + Send {
 pub(super) const STEEPEST_SUPPORT: f64 = 16.0;
 
 /// Shapes with kernels of their own.
-pub(super) enum ShapeKind {
+pub(crate) enum ShapeKind {
     Ball,
     Flat,
     General,
@@ -60,7 +60,7 @@ pub(super) enum ShapeKind {
 
 impl ShapeKind {
     /// Upright segments after the last that goes outward touch nothing that its end does not.
-    pub(super) fn of(profile: &Profile) -> Self {
+    pub(crate) fn of(profile: &Profile) -> Self {
         let radius = profile.radius_mm();
         let outward = profile.pieces().filter(|(from, segment)| segment.to()[0] > from[0]);
         let mut outward = outward.map(|(_, segment)| *segment);
