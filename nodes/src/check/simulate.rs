@@ -37,7 +37,7 @@ pub(crate) struct Simulate {
 
 /// What was found by simulating a program.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Simulated {
+pub(crate) struct Simulated {
     /// Distance of the nodes of the stock, in mm.
     pub resolution_mm: f64,
     /// Rapids that went through stock.
@@ -48,7 +48,7 @@ pub struct Simulated {
 
 /// A rapid that went through stock.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RapidThrough {
+pub(crate) struct RapidThrough {
     /// Which of the program's runs.
     pub run: usize,
     /// Which of its moves.

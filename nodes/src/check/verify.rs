@@ -47,7 +47,7 @@ pub(crate) enum OnFault {
 
 /// What was verified of a program, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verification {
+pub(crate) struct Verification {
     /// What was looked at, in words.
     pub looked_at: Vec<String>,
     /// What is wrong, in words.
