@@ -6,8 +6,8 @@
 mod measure;
 
 use carvegraph_geometry::{
-    Bounds, Cut, DVec2, DVec3, DropCutter, FieldGrid, HeightField, Motion, Move, MoveKind, Profile,
-    Raster, RasterStyle, Stock, Surface, Against, Toolpath, reduce_chord, simulate,
+    Against, Bounds, Cut, DVec2, DVec3, DropCutter, FieldGrid, HeightField, Motion, Move, MoveKind,
+    Profile, Raster, RasterStyle, Stock, Surface, Toolpath, reduce_chord, simulate,
 };
 
 /// Side of the relief in mm.

@@ -63,8 +63,8 @@ pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
 pub use relief::{BasRelief, SlopeLimit, bas_relief, limit_slope};
 pub use simulate::{
-    ARC_TOLERANCE_MM, Cut, Load, RAPID_TOLERANCE_MM, RapidCut, Removal, SimulateError, Simulation, StepDown,
-    Stock, simulate,
+    ARC_TOLERANCE_MM, Cut, Load, RAPID_TOLERANCE_MM, RapidCut, Removal, SimulateError, Simulation,
+    StepDown, Stock, simulate,
 };
 pub use stitch::{StitchError, close_solid, point_cloud, stitch};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};

@@ -1,6 +1,6 @@
 //! The one list of nodes, and the one list of what passes between them.
 
-use crate::check::Verification;
+use crate::check::{Simulated, Verification};
 use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
@@ -8,8 +8,8 @@ use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
 use crate::{check, mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
-    Bounds, Cutter, Defects, HeightField, Mesh, Move, Pattern, PointCloud, Polygon, Reduction,
-    SpanKind, Toolpath,
+    Bounds, Cutter, Defects, HeightField, Load, Mesh, Move, Pattern, PointCloud, Polygon,
+    Reduction, SpanKind, Toolpath,
 };
 use serde_json::{Value as Json, json};
 use std::mem::size_of;
@@ -84,6 +84,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<relief::ScaleField>("relief"),
         NodeKind::of::<path::SetupNode>("path"),
         NodeKind::of::<mask::ShapeMask>("mask"),
+        NodeKind::of::<check::Simulate>("check"),
         NodeKind::of::<path::SpiralNode>("path"),
         NodeKind::of::<relief::Stamp>("relief"),
         NodeKind::of::<surface::Stitch>("surface"),
@@ -173,6 +174,12 @@ pub(crate) fn types() -> Vec<PortType> {
             sheet_facts,
             |sheet: &ToolSheet| sheet.materials.len() * 72,
         ),
+        PortType::of(
+            "simulation",
+            "What was found by simulating a program",
+            simulation_facts,
+            |found: &Simulated| found.rapids.len() * 48 + found.loads.len() * 96,
+        ),
         PortType::of("toolpath", "A path of the cutter's tip", path_facts, path_bytes),
         PortType::of(
             "verification",
@@ -181,6 +188,20 @@ pub(crate) fn types() -> Vec<PortType> {
             |_: &Verification| size_of::<Verification>(),
         ),
     ]
+}
+
+fn simulation_facts(found: &Simulated) -> Facts {
+    let each = |of: &dyn Fn(&Load) -> Option<f64>| -> Json {
+        json!(found.loads.iter().map(of).collect::<Vec<_>>())
+    };
+    facts([
+        ("resolution_mm", json!(found.resolution_mm)),
+        ("rapids_through_stock", json!(found.rapids.len())),
+        ("step_down_mm", each(&|load| Some(load.step_down?.depth_mm))),
+        ("removal_mm3_per_min", each(&|load| Some(load.removal?.mm3_per_min))),
+        ("engagement_mm2", each(&|load| Some(load.removal?.section_mm2))),
+        ("removed_mm3", each(&|load| Some(load.removed_mm3))),
+    ])
 }
 
 fn verification_facts(verification: &Verification) -> Facts {

@@ -133,10 +133,7 @@ pub(crate) fn cutters() -> Vec<(&'static str, Profile)> {
 #[allow(dead_code, reason = "each bench prints one of the tables")]
 pub(crate) fn begin_jobs(what: &str) -> Pools {
     let head = ["1 cpu s", "1 wall s", "2 cpu s", "2 wall s"];
-    println!(
-        "{:32} {what:>8} {:>8} {:>8} {:>8} {:>8}",
-        "job", head[0], head[1], head[2], head[3]
-    );
+    println!("{:32} {what:>8} {:>8} {:>8} {:>8} {:>8}", "job", head[0], head[1], head[2], head[3]);
     pools()
 }
 

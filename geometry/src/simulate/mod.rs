@@ -157,11 +157,7 @@ pub enum SimulateError {
 ///
 /// # Errors
 /// If the stock has no nodes, a move leads to no place or `tick` stopped the work.
-pub fn simulate(
-    stock: &Stock,
-    cuts: &[Cut<'_>],
-    tick: Tick,
-) -> Result<Simulation, SimulateError> {
+pub fn simulate(stock: &Stock, cuts: &[Cut<'_>], tick: Tick) -> Result<Simulation, SimulateError> {
     for (cut, Cut { motion, .. }) in cuts.iter().enumerate() {
         check(cut, motion)?;
     }

@@ -82,7 +82,8 @@ fn a_move_leaves_what_many_tips_along_it_leave() {
     let mut random = Rng::with_seed(1);
     for round in 0..40 {
         let radius = 0.5 + random.f64() * 2.0;
-        let mut any = |high: f64| DVec3::new(random.f64(), random.f64(), random.f64() * high) * 10.0;
+        let mut any =
+            |high: f64| DVec3::new(random.f64(), random.f64(), random.f64() * high) * 10.0;
         let (from, mut to) = (any(1.0), any(1.0));
         match round % 5 {
             0 => to.z = from.z,

@@ -74,8 +74,7 @@ impl Frame {
         let side = self.pitch * SIDE as f64;
         let (first, last) = ((low / side).floor().max(0.0), (high / side).floor());
         let end = nodes.div_ceil(SIDE);
-        (last >= 0.0 && first < end as f64)
-            .then(|| [first as usize, (last as usize).min(end - 1)])
+        (last >= 0.0 && first < end as f64).then(|| [first as usize, (last as usize).min(end - 1)])
     }
 
     /// From the first to the last y of a row of tiles, in mm from the corner.
@@ -195,8 +194,14 @@ impl Tile<'_> {
         tick: Tick,
     ) -> Option<Shaved> {
         let first = frame.first_of(index);
-        let mut work =
-            Work { frame, first, place: frame.place(first), cutter, tile: self, shaved: Shaved::default() };
+        let mut work = Work {
+            frame,
+            first,
+            place: frame.place(first),
+            cutter,
+            tile: self,
+            shaved: Shaved::default(),
+        };
         for (k, stroke) in strokes.enumerate() {
             work.shave(stroke);
             if k % STROKES_A_LOOK == 0 {
@@ -305,10 +310,7 @@ impl<S: Sweep> Work<'_, S> {
             slope: splat(stroke.slope),
         };
         let way = stroke.way * pitch;
-        let from = [
-            splat(s - near) + lanes() * splat(way.x),
-            splat(d) - lanes() * splat(way.y),
-        ];
+        let from = [splat(s - near) + lanes() * splat(way.x), splat(d) - lanes() * splat(way.y)];
         let step = [splat(way.y), splat(way.x)];
         let at = (row * LANES + column) * LANES;
         let rows: &mut [f32x8; LANES] =

@@ -4,12 +4,13 @@
 //! The program itself passes through here, so that what is saved has been verified.
 
 use super::follow::{Departure, follows};
+use super::simulate::Simulated;
 use crate::job::Job;
 use crate::machining::{Machining, ToolRun};
 use crate::shop::{Demands, Setup};
 use crate::values::Gcode;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Bounds, Motion, Toolpath};
+use carvegraph_geometry::{Bounds, DVec3, Motion, Toolpath};
 use serde::{Deserialize, Serialize};
 
 /// Faults that a message names; a program with more is as wrong with these.
@@ -46,7 +47,7 @@ pub(crate) enum OnFault {
 
 /// What was verified of a program, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verification {
+pub(crate) struct Verification {
     /// What was looked at, in words.
     pub looked_at: Vec<String>,
     /// What is wrong, in words.
@@ -61,6 +62,8 @@ pub(crate) struct Held<'a> {
     program: &'a Gcode,
     /// What the machine does when it runs it.
     machining: &'a Machining,
+    /// What was found by simulating it.
+    simulation: Option<&'a Simulated>,
     /// The path that the program was made of.
     toolpath: Option<&'a Toolpath>,
     /// Operations that go before the path.
@@ -86,6 +89,7 @@ impl Node for Verify {
         let mut findings = Findings::new(&inputs);
         findings.text();
         findings.machine();
+        findings.rapids();
         findings.path(self.departure);
         let verification = findings.verification;
         if verification.faults.is_empty() {
@@ -187,6 +191,18 @@ impl<'a> Findings<'a> {
         }
     }
 
+    fn rapids(&mut self) {
+        let Some(simulation) = self.held.simulation else { return };
+        self.look_at("rapids through stock");
+        for rapid in &simulation.rapids {
+            let (line, DVec3 { x, y, z }) = (self.line_of(rapid.run, rapid.index), rapid.at);
+            let depth_mm = rapid.depth_mm;
+            self.fault(format!(
+                "{line}: a rapid goes through {depth_mm:.3} mm of stock at X {x:.2} Y {y:.2} Z {z:.2} of the part"
+            ));
+        }
+    }
+
     fn path(&mut self, tolerance_mm: f64) {
         let Some(path) = self.held.toolpath else { return };
         let before = self.held.before.into_iter().flat_map(Job::steps).map(|step| step.toolpath);
@@ -216,7 +232,6 @@ mod tests {
     use crate::job::testing::{ball, path};
     use crate::shop::{Machine, Travel};
     use crate::testing::run;
-    use carvegraph_geometry::DVec3;
 
     const NODE: Verify =
         Verify { gouge: 0.05, excess: 1000.0, departure: 0.02, on_fault: OnFault::Fail };
@@ -232,6 +247,7 @@ mod tests {
         let held = Held {
             program: &code,
             machining: &machining,
+            simulation: None,
             toolpath: Some(&path),
             before: None,
             setup,
