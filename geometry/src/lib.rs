@@ -9,6 +9,7 @@
 mod bounds;
 mod crop;
 mod defects;
+mod deviation;
 mod distance;
 mod drop_cutter;
 mod grown;
@@ -37,6 +38,7 @@ mod trace;
 pub use bounds::Bounds;
 pub use crop::Crop;
 pub use defects::{Defects, find_defects};
+pub use deviation::{Deviation, DeviationError, Extent, FIRST_ORDER_MM, Target, deviation};
 pub use distance::distances;
 pub use drop_cutter::{
     Against, DropCutter, DropError, Surface, drop_on_height_field, drop_on_mesh, drop_on_points,

@@ -13,6 +13,7 @@
 use crate::{Bounds, Mesh, Tick};
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// How many units in the last place of the largest coordinate two lengths may differ and still be
 /// taken for equal: a node's place is made of a product and a sum, a vertex' of a subtraction.
@@ -26,7 +27,7 @@ const SLABS: usize = 32;
 const BATCH: usize = 1 << 16;
 
 /// Where the nodes of a field stand.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FieldGrid {
     /// Nodes along x.
     pub columns: usize,

@@ -1,0 +1,172 @@
+//! The top of a mesh: a tree of boxes over the triangles that do not face down.
+//!
+//! The tree halves the triangles by the median of their middles along the longest way, down to a few. Which
+//! side of a triangle is out is told by its corners' order, for a mesh that is turned inside out by the
+//! opposite: the volume under its triangles is negative then.
+
+use super::closest::{distance2, to_box2};
+use super::{DeviationError, Ground};
+use crate::{Bounds, FieldGrid, HeightField, Mesh, Tick, mesh_to_field};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+/// Triangles in a leaf.
+const LEAF: usize = 4;
+
+/// A triangle that leans over by less counts as upright, as a share of its area: what rounding to `f32` in a
+/// file may do.
+const UPRIGHT: f64 = 1e-6;
+
+/// A box over the triangles of a range; its children follow, or none if there are few.
+struct Branch {
+    low: DVec3,
+    high: DVec3,
+    triangles: [u32; 2],
+    /// The second child; the first is the next branch. 0 of a leaf.
+    second: u32,
+}
+
+/// A mesh to search.
+pub(super) struct OnMesh {
+    triangles: Vec<[DVec3; 3]>,
+    branches: Vec<Branch>,
+    extent: [DVec2; 2],
+    /// Heights of the top at the nodes of the machined surface; NaN where there is nothing.
+    tops: Vec<f64>,
+    columns: usize,
+}
+
+impl OnMesh {
+    pub(super) fn new(
+        mesh: &Mesh,
+        machined: &HeightField,
+        corner: DVec2,
+        tick: Tick,
+    ) -> Result<Self, DeviationError> {
+        let sound = |t: &[u32; 3]| {
+            t.iter().all(|v| mesh.vertices.get(*v as usize).is_some_and(|v| v.is_finite()))
+        };
+        if let Some(triangle) = mesh.triangles.par_iter().position_first(|t| !sound(t)) {
+            return Err(DeviationError::BadTriangle { triangle });
+        }
+        let bounds = mesh.bounds().ok_or(DeviationError::NoTop)?;
+        let mut triangles = facing_up(mesh, bounds);
+        if triangles.is_empty() || u32::try_from(triangles.len()).is_err() {
+            return Err(DeviationError::NoTop);
+        }
+        let mut branches = Vec::with_capacity(triangles.len());
+        let count = triangles.len();
+        plant(&mut triangles, 0, &mut branches, tick).ok_or(DeviationError::Stopped)?;
+        debug_assert_eq!(branches[0].triangles, [0, count as u32]);
+        let tops = tops(mesh, machined, corner, tick).ok_or(DeviationError::Stopped)?;
+        let extent = [bounds.min.truncate(), bounds.max.truncate()];
+        Ok(Self { triangles, branches, extent, tops, columns: machined.columns() })
+    }
+
+    fn look(&self, t: u32, point: DVec3, best: &mut (f64, u32)) {
+        let found = distance2(point, self.triangles[t as usize]);
+        if found < best.0 {
+            *best = (found, t);
+        }
+    }
+
+    fn descend(&self, at: usize, point: DVec3, best: &mut (f64, u32)) {
+        let branch = &self.branches[at];
+        if branch.second == 0 {
+            let [from, to] = branch.triangles;
+            (from..to).for_each(|t| self.look(t, point, best));
+            return;
+        }
+        let children = [at + 1, branch.second as usize].map(|child| {
+            let branch = &self.branches[child];
+            (to_box2(point, branch.low, branch.high), child)
+        });
+        let [a, b] = children;
+        for (near2, child) in if b.0 < a.0 { [b, a] } else { [a, b] } {
+            if near2 < best.0 {
+                self.descend(child, point, best);
+            }
+        }
+    }
+}
+
+/// The triangles that do not face down.
+fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<[DVec3; 3]> {
+    let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
+    let corners = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
+    // Twice the volume between the triangles and the lowest of all places, and the area seen from above.
+    let (mut volume, mut area) = (0.0, 0.0);
+    for [a, b, c] in corners() {
+        let up = normal([a, b, c]).z;
+        volume += up * ((a.z + b.z + c.z) / 3.0 - bounds.min.z);
+        area += up;
+    }
+    let turned = if volume == 0.0 { area < 0.0 } else { volume < 0.0 };
+    let sign = if turned { -1.0 } else { 1.0 };
+    corners()
+        .filter(|corners| {
+            let normal = normal(*corners);
+            sign * normal.z >= -UPRIGHT * normal.length()
+        })
+        .collect()
+}
+
+/// Puts triangles in the order of the tree and adds its branches; `first` is the number of the first.
+fn plant(
+    triangles: &mut [[DVec3; 3]],
+    first: usize,
+    branches: &mut Vec<Branch>,
+    tick: Tick,
+) -> Option<()> {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for corner in triangles.iter().flatten() {
+        (low, high) = (low.min(*corner), high.max(*corner));
+    }
+    let at = branches.len();
+    let range = [first, first + triangles.len()].map(|t| t as u32);
+    branches.push(Branch { low, high, triangles: range, second: 0 });
+    if triangles.len() <= LEAF {
+        return Some(());
+    }
+    tick(0).then_some(())?;
+    let size = high - low;
+    let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
+    let middle = |t: &[DVec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+    let half = triangles.len() / 2;
+    triangles.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
+    let (before, after) = triangles.split_at_mut(half);
+    plant(before, first, branches, tick)?;
+    branches[at].second = branches.len() as u32;
+    plant(after, first + half, branches, tick)
+}
+
+/// Heights of the top of a mesh at the nodes of a surface.
+fn tops(mesh: &Mesh, machined: &HeightField, corner: DVec2, tick: Tick) -> Option<Vec<f64>> {
+    let (columns, rows, pitch_mm) = (machined.columns(), machined.rows(), machined.pitch_mm());
+    let size = machined.bounds().max;
+    let bounds = Bounds { min: corner.extend(0.0), max: corner.extend(0.0) + size };
+    let grid = FieldGrid { columns, rows, pitch_mm };
+    let heights = mesh_to_field(mesh, bounds, grid, f32::NAN, &|_| tick(0))?;
+    Some(heights.into_iter().map(f64::from).collect())
+}
+
+impl Ground for OnMesh {
+    type Hint = u32;
+
+    fn extent(&self) -> [DVec2; 2] {
+        self.extent
+    }
+
+    fn under(&self, [i, j]: [usize; 2], _: DVec2) -> Option<(f64, Option<f64>)> {
+        let top = self.tops[j * self.columns + i];
+        (!top.is_nan()).then_some((top, None))
+    }
+
+    fn nearest2(&self, point: DVec3, within2: f64, hint: &mut u32) -> f64 {
+        let mut best = (within2, *hint);
+        self.look(*hint, point, &mut best);
+        self.descend(0, point, &mut best);
+        *hint = best.1;
+        best.0
+    }
+}
