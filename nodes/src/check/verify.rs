@@ -10,7 +10,7 @@ use crate::machining::{Machining, ToolRun};
 use crate::shop::{Demands, Setup};
 use crate::values::Gcode;
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Bounds, DVec3, Motion, Toolpath};
+use carvegraph_geometry::{Bounds, DVec3, Deviation, Extent, Motion, Toolpath};
 use serde::{Deserialize, Serialize};
 
 /// Faults that a message names; a program with more is as wrong with these.
@@ -64,6 +64,8 @@ pub(crate) struct Held<'a> {
     machining: &'a Machining,
     /// What was found by simulating it.
     simulation: Option<&'a Simulated>,
+    /// How far what it leaves lies from the part.
+    deviation: Option<&'a Deviation>,
     /// The path that the program was made of.
     toolpath: Option<&'a Toolpath>,
     /// Operations that go before the path.
@@ -90,6 +92,7 @@ impl Node for Verify {
         findings.text();
         findings.machine();
         findings.rapids();
+        findings.surface(self.gouge, self.excess);
         findings.path(self.departure);
         let verification = findings.verification;
         if verification.faults.is_empty() {
@@ -203,6 +206,26 @@ impl<'a> Findings<'a> {
         }
     }
 
+    fn surface(&mut self, gouge_mm: f64, excess_mm: f64) {
+        let counts = |deviation: &&Deviation| deviation.extent.nodes > 0;
+        let Some(Deviation { extent, .. }) = self.held.deviation.filter(counts) else { return };
+        let Extent { max_gouge_mm, gouge_at, max_excess_mm, excess_at, .. } = *extent;
+        let at = |DVec3 { x, y, .. }: DVec3| format!("at X {x:.2} Y {y:.2} of the part");
+        self.look_at(format!(
+            "surface: {max_gouge_mm:.3} mm too deep at most, {max_excess_mm:.3} mm left at most"
+        ));
+        if max_gouge_mm > gouge_mm {
+            let at = at(gouge_at);
+            self.fault(format!(
+                "it gouges the part by {max_gouge_mm:.3} mm {at}; gouge allows {gouge_mm}"
+            ));
+        }
+        if max_excess_mm > excess_mm {
+            let at = at(excess_at);
+            self.fault(format!("it leaves {max_excess_mm:.3} mm {at}; excess allows {excess_mm}"));
+        }
+    }
+
     fn path(&mut self, tolerance_mm: f64) {
         let Some(path) = self.held.toolpath else { return };
         let before = self.held.before.into_iter().flat_map(Job::steps).map(|step| step.toolpath);
@@ -248,6 +271,7 @@ mod tests {
             program: &code,
             machining: &machining,
             simulation: None,
+            deviation: None,
             toolpath: Some(&path),
             before: None,
             setup,
