@@ -172,7 +172,9 @@ fn compare(
 fn at_node<G: Ground>(ground: &G, node: [usize; 2], point: DVec3, hint: &mut G::Hint) -> f64 {
     let Some((height, cos)) = ground.under(node, point.truncate()) else { return f64::NAN };
     let above = point.z - height;
-    if above.abs() <= FIRST_ORDER_MM && let Some(cos) = cos {
+    if above.abs() <= FIRST_ORDER_MM
+        && let Some(cos) = cos
+    {
         return above * cos;
     }
     ground.nearest2(point, above * above, hint).sqrt().copysign(above)

@@ -82,8 +82,7 @@ fn distances_from_a_mesh_are_those_of_trying_every_triangle_that_faces_up() {
             all.iter_mut().for_each(|corners| corners.swap(0, 1));
         }
         let machined = rough(&mut random, 30, 21, 0.23, steep * 1.5);
-        let found =
-            deviation(&machined, DVec2::ZERO, Target::Mesh(&mesh(&all)), 0.0, GO).unwrap();
+        let found = deviation(&machined, DVec2::ZERO, Target::Mesh(&mesh(&all)), 0.0, GO).unwrap();
         check(&found, &machined, &top, 0.0);
     }
 }
@@ -108,7 +107,11 @@ fn beside_a_wall_the_distance_counts_not_the_height() {
         let [c, d] = [b.with_y(10.0), a.with_y(10.0)];
         [[a, b, c], [a, c, d]]
     };
-    let wall = [corners(0.0, 0.0, 5.0, 0.0), corners(5.0, 0.0, 5.01, 20.0), corners(5.01, 20.0, 10.0, 20.0)];
+    let wall = [
+        corners(0.0, 0.0, 5.0, 0.0),
+        corners(5.0, 0.0, 5.01, 20.0),
+        corners(5.01, 20.0, 10.0, 20.0),
+    ];
     let target = mesh(&wall.concat());
     // The machined wall stands a node farther in, and all else is as it should be.
     let heights = (0..501 * 11).map(|k| if k % 501 > 251 { 20.0 } else { 0.0 }).collect();
