@@ -8,8 +8,8 @@ use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
 use crate::{check, mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
-    Bounds, Cutter, Defects, HeightField, Load, Mesh, Move, Pattern, PointCloud, Polygon,
-    Reduction, SpanKind, Toolpath,
+    Bounds, Cutter, Defects, Deviation, HeightField, Load, Mesh, Move, Pattern, PointCloud,
+    Polygon, Reduction, SpanKind, Toolpath,
 };
 use serde_json::{Value as Json, json};
 use std::mem::size_of;
@@ -35,6 +35,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<picture::Curves>("picture"),
         NodeKind::of::<path::CutterNode>("path"),
         NodeKind::of::<picture::DepthSmooth>("picture"),
+        NodeKind::of::<check::DeviationNode>("check"),
         NodeKind::of::<relief::Dome>("relief"),
         NodeKind::of::<path::DropCutter>("path"),
         NodeKind::of::<path::DropOnMesh>("path"),
@@ -82,6 +83,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
         NodeKind::of::<relief::ScaleField>("relief"),
+        NodeKind::of::<check::ScallopPlot>("check"),
         NodeKind::of::<path::SetupNode>("path"),
         NodeKind::of::<mask::ShapeMask>("mask"),
         NodeKind::of::<check::Simulate>("check"),
@@ -114,6 +116,12 @@ pub(crate) fn types() -> Vec<PortType> {
         PortType::of("defects", "What is wrong with a mesh", defects_facts, |_: &Defects| {
             size_of::<Defects>()
         }),
+        PortType::of(
+            "deviation",
+            "How far a machined surface is from the one that was meant",
+            deviation_facts,
+            |deviation: &Deviation| deviation.distances_mm.len() * 4,
+        ),
         PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.bytes()),
         PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {
             image.values.len() * 4
@@ -234,6 +242,20 @@ fn defects_facts(defects: &Defects) -> Facts {
         ("duplicate_triangles", json!(defects.duplicate_triangles)),
         ("degenerate_triangles", json!(defects.degenerate_triangles)),
         ("repeated_vertices", json!(defects.repeated_vertices)),
+    ])
+}
+
+fn deviation_facts(deviation: &Deviation) -> Facts {
+    let extent = &deviation.extent;
+    facts([
+        ("max_gouge_mm", json!(extent.max_gouge_mm)),
+        ("max_excess_mm", json!(extent.max_excess_mm)),
+        ("p99_excess_mm", json!(extent.p99_excess_mm)),
+        ("p99_gouge_mm", json!(extent.p99_gouge_mm)),
+        ("mean_mm", json!(extent.mean_mm)),
+        ("nodes", json!(extent.nodes)),
+        ("gouge_at_mm", json!(extent.gouge_at.to_array())),
+        ("excess_at_mm", json!(extent.excess_at.to_array())),
     ])
 }
 

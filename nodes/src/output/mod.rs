@@ -12,7 +12,7 @@ pub(crate) mod zero;
 
 pub(crate) use operation::OperationNode;
 pub(crate) use post::Post;
-pub(crate) use preview::Preview;
+pub(crate) use preview::{Preview, draw_deviation, save_png};
 pub(crate) use save_3mf::Save3mf;
 pub(crate) use save_gcode::SaveGcode;
 pub(crate) use save_points::SavePoints;

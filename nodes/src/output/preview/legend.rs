@@ -1,4 +1,4 @@
-//! The legend of a tool path's picture: a scale of heights in mm, and what the marks mean.
+//! The legend of a picture: a scale in mm, and what the marks mean.
 //!
 //! Letters are drawn as strokes, like those of a plotter, so they need no font and stay sharp at
 //! every size.
@@ -173,6 +173,7 @@ fn strokes(letter: char) -> &'static str {
         '-' => "0333",
         '.' => "0506",
         'a' => "4246 4332120305163645",
+        'c' => "4332120305163645",
         'd' => "4046 4332120305163645",
         'e' => "04444332120305163645",
         'g' => "42473818 4332120305163645",
@@ -180,11 +181,13 @@ fn strokes(letter: char) -> &'static str {
         'l' => "0006",
         'm' => "0206 03122326 23324346",
         'n' => "0206 0312324346",
+        'o' => "123243453616050312",
         'p' => "0208 0312324345361605",
         'r' => "0206 041232",
         's' => "421203143445 453606",
         't' => "1015263645 0232",
         'u' => "0205163645 4246",
+        'x' => "0246 4206",
         _ => "",
     }
 }
@@ -207,7 +210,7 @@ mod tests {
 
     #[test]
     fn every_letter_of_a_label_can_be_drawn() {
-        for letter in "0123456789.-mmrapidplungestartend".chars() {
+        for letter in "0123456789.-mmrapidplungestartendgougeexcess".chars() {
             assert!(!strokes(letter).is_empty(), "{letter}");
         }
     }

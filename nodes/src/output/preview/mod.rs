@@ -1,6 +1,7 @@
 //! A picture of the work: the carved plaque, or the path of the cutter.
 
 mod color;
+mod deviation_map;
 mod horizon;
 mod legend;
 mod marks;
@@ -9,6 +10,8 @@ mod render;
 mod resample;
 mod strokes;
 mod wood;
+
+pub(crate) use deviation_map::draw_deviation;
 
 use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
 use carvegraph_geometry::{HeightField, Toolpath};
@@ -53,20 +56,23 @@ impl Node for Preview {
                 return Err(NodeError::failed(message));
             }
         };
-        self.save(&cx.completed(picture)?, cx)
+        save_png(&self.name, &cx.completed(picture)?, cx)
     }
 }
 
-impl Preview {
-    fn save(&self, picture: &RgbImage, cx: &Context<'_>) -> Result<(), NodeError> {
-        let mut file = cx.create(&self.name, "png")?;
-        PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
-            .write_image(picture, picture.width(), picture.height(), ExtendedColorType::Rgb8)
-            .map_err(|fault| match cx.is_cancelled() {
-                true => NodeError::Cancelled,
-                false => NodeError::failed(fault),
-            })?;
-        file.finish()?;
-        Ok(())
-    }
+/// Saves a picture.
+pub(crate) fn save_png(
+    name: &OutputName,
+    picture: &RgbImage,
+    cx: &Context<'_>,
+) -> Result<(), NodeError> {
+    let mut file = cx.create(name, "png")?;
+    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(picture, picture.width(), picture.height(), ExtendedColorType::Rgb8)
+        .map_err(|fault| match cx.is_cancelled() {
+            true => NodeError::Cancelled,
+            false => NodeError::failed(fault),
+        })?;
+    file.finish()?;
+    Ok(())
 }
