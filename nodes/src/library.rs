@@ -8,6 +8,7 @@ pub const LIBRARY: Library = Library {
         ("bas_relief", include_str!("../../graphs/bas_relief.ron")),
         ("depth_map", include_str!("../../graphs/depth_map.ron")),
         ("drawing", include_str!("../../graphs/drawing.ron")),
+        ("inspection", include_str!("../../graphs/inspection.ron")),
         ("lithophane", include_str!("../../graphs/lithophane.ron")),
         ("mesh_finish", include_str!("../../graphs/mesh_finish.ron")),
         ("patterns", include_str!("../../graphs/patterns.ron")),
@@ -21,6 +22,7 @@ pub const LIBRARY: Library = Library {
         ("text_plaque", include_str!("../../graphs/text_plaque.ron")),
         ("two_tool_mesh", include_str!("../../graphs/two_tool_mesh.ron")),
         ("two_tool_relief", include_str!("../../graphs/two_tool_relief.ron")),
+        ("verify", include_str!("../../graphs/verify.ron")),
         ("waterline", include_str!("../../graphs/waterline.ron")),
     ],
     assets: &[
@@ -30,6 +32,7 @@ pub const LIBRARY: Library = Library {
         ("samples/portrait-hair.png", include_bytes!("../../graphs/samples/portrait-hair.png")),
         ("samples/portrait-mask.png", include_bytes!("../../graphs/samples/portrait-mask.png")),
         ("samples/portrait.png", include_bytes!("../../graphs/samples/portrait.png")),
+        ("samples/shell.nc", include_bytes!("../../graphs/samples/shell.nc")),
         ("samples/shell.obj", include_bytes!("../../graphs/samples/shell.obj")),
         ("samples/shell.xyz", include_bytes!("../../graphs/samples/shell.xyz")),
         ("samples/sun_mask.png", include_bytes!("../../graphs/samples/sun_mask.png")),

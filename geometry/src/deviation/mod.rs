@@ -58,7 +58,7 @@ pub struct Deviation {
 }
 
 /// The extent of a deviation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extent {
     /// Nodes that count; if none do all else is 0.
     pub nodes: usize,
@@ -76,6 +76,15 @@ pub struct Extent {
     pub p99_gouge_mm: f64,
     /// Mean distance, with its sign, in mm.
     pub mean_mm: f64,
+}
+
+impl Deviation {
+    /// That of a surface which is compared with nothing: no node counts.
+    #[must_use]
+    pub fn nowhere() -> Self {
+        let grid = FieldGrid { columns: 0, rows: 0, pitch_mm: 0.0 };
+        Self { corner: DVec2::ZERO, grid, distances_mm: Vec::new(), extent: Extent::default() }
+    }
 }
 
 /// Why there is no deviation.

@@ -10,7 +10,8 @@ use carvegraph_geometry::{
     Bounds, DVec2, Deviation, DeviationError, FIRST_ORDER_MM, HeightField, Mesh, Target, deviation,
 };
 
-/// Compares the machined surface with the one that was meant and draws where it lies above and below.
+/// Compares the machined surface with the one that was meant and draws where it lies above and below. Without
+/// one there is nothing to compare with, and nothing is drawn.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct DeviationNode {
     /// The file's name without its extension; {prefix} stands for the input's name.
@@ -54,9 +55,9 @@ impl Node for DeviationNode {
         let target = match (inputs.surface, inputs.mesh) {
             (Some(surface), None) => Target::Field(surface, DVec2::ZERO),
             (None, Some(mesh)) => Target::Mesh(mesh),
-            _ => {
-                let message =
-                    "there must be one thing to compare with: connect a surface or a mesh";
+            (None, None) => return Ok(Found { deviation: Deviation::nowhere() }),
+            (Some(_), Some(_)) => {
+                let message = "there are two things to compare with: connect a surface or a mesh";
                 return Err(NodeError::failed(message));
             }
         };
