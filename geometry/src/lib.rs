@@ -30,6 +30,7 @@ mod raster;
 mod reduce;
 mod relief;
 mod stitch;
+mod time;
 mod toolpath;
 mod trace;
 
@@ -60,6 +61,7 @@ pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
 pub use relief::{BasRelief, SlopeLimit, bas_relief, limit_slope};
 pub use stitch::{StitchError, close_solid, point_cloud, stitch};
+pub use time::{Kinematics, TimeError, Times, machining_time};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
 pub use trace::{TraceError, trace_level};
 

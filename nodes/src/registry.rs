@@ -1,10 +1,11 @@
 //! The one list of nodes, and the one list of what passes between them.
 
+use crate::check::{Estimate, RunTimes};
 use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
 use crate::values::{Gcode, GrayImage, Image, Mask, Remark, Samples};
-use crate::{mask, output, path, picture, relief, surface};
+use crate::{check, mask, output, path, picture, relief, surface};
 use carvegraph_core::{Facts, NodeKind, PortType};
 use carvegraph_geometry::{
     Bounds, Cutter, Defects, HeightField, Mesh, Move, Pattern, PointCloud, Polygon, Reduction,
@@ -39,6 +40,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::DropOnMesh>("path"),
         NodeKind::of::<path::DropOnPoints>("path"),
         NodeKind::of::<picture::EdgeEmphasis>("picture"),
+        NodeKind::of::<check::EstimateTime>("check"),
         NodeKind::of::<mask::FeatherMask>("mask"),
         NodeKind::of::<picture::FlipImage>("picture"),
         NodeKind::of::<picture::GaussianBlur>("picture"),
@@ -109,6 +111,12 @@ pub(crate) fn types() -> Vec<PortType> {
         PortType::of("defects", "What is wrong with a mesh", defects_facts, |_: &Defects| {
             size_of::<Defects>()
         }),
+        PortType::of(
+            "estimate",
+            "How long a job takes on a machine",
+            Estimate::facts,
+            |estimate: &Estimate| estimate.runs.len() * size_of::<RunTimes>(),
+        ),
         PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.bytes()),
         PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {
             image.values.len() * 4
