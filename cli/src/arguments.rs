@@ -44,6 +44,9 @@ pub(crate) struct RunArguments {
     /// Writes a report for scripts
     #[arg(long, value_name = "FILE.json")]
     pub(crate) report: Option<PathBuf>,
+    /// Writes no page about the run beside its files
+    #[arg(long)]
+    pub(crate) no_html: bool,
     /// Says nothing but errors
     #[arg(long, short)]
     pub(crate) quiet: bool,

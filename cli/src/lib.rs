@@ -8,6 +8,7 @@ mod list;
 mod offers;
 mod plugins;
 mod progress;
+mod report;
 mod run;
 
 use arguments::{Arguments, Command, DialectAction, Job, PluginAction};

@@ -2,11 +2,13 @@
 
 use crate::arguments::RunArguments;
 use crate::progress::Progress;
+use crate::report::{self, Run, write_json};
 use crate::{Exit, Refusal, build, complain, open_cache, say};
 use carvegraph_core::report::{NodeStatus, RunReport, RunStatus};
-use carvegraph_core::{Cache, Diagnostic, Plan, Registry, RunOptions, Session, run as run_plan};
-use std::fs;
-use std::path::Path;
+use carvegraph_core::{
+    Cache, Diagnostic, Graph, Plan, Recipe, Registry, RunOptions, Session, run as run_plan,
+};
+use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::Duration;
 
@@ -20,7 +22,7 @@ const INTERRUPTED: &str = "interrupted: nothing was written";
 pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit, Refusal> {
     let session = Session::new(&arguments.out);
     stop_on_signal(session.clone())?;
-    let (_, graph) = build(&arguments.job, registry)?;
+    let (recipe, graph) = build(&arguments.job, registry)?;
     let cache = arguments.cache.as_deref().map(open_cache).transpose()?;
     let cache: Option<&dyn Cache> = cache.as_ref().map(|cache| cache as &dyn Cache);
     let plan = Plan::new(&graph, &arguments.only, &arguments.out, cache, &session.cancel);
@@ -33,10 +35,13 @@ pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit,
     let threads = arguments.threads.map_or(0, usize::from);
     let report = run_plan(&plan, &session, RunOptions { threads, cache, observer: &progress });
     progress.clear();
-    // First the files: they are there, whatever becomes of the report.
-    tell_the_end(|| tell(&report, arguments.quiet));
+    // First the files: they are there, whatever becomes of the reports.
+    tell_the_end(|| {
+        let page = write_page(arguments, &recipe, &graph, &report);
+        tell(&report, page.as_deref(), arguments.quiet);
+    });
     if let Some(path) = &arguments.report {
-        write_report(&report, path)?;
+        write_json(&report, path)?;
     }
     Ok(match report.status {
         RunStatus::Done => Exit::Done,
@@ -44,6 +49,28 @@ pub(crate) fn run(arguments: &RunArguments, registry: &Registry) -> Result<Exit,
         RunStatus::Refused => Exit::Wrong,
         RunStatus::Interrupted => Exit::Interrupted,
     })
+}
+
+/// Writes the page about a run beside its files. One that wrote none leaves nothing behind; and a job is
+/// none the worse without its page.
+fn write_page(
+    arguments: &RunArguments,
+    recipe: &Recipe,
+    graph: &Graph,
+    report: &RunReport,
+) -> Option<PathBuf> {
+    if arguments.no_html || report.written.is_empty() {
+        return None;
+    }
+    let (settings, out) = (&arguments.job.set[..], arguments.out.as_path());
+    let run = Run { recipe, graph, settings, report, out };
+    match report::write_page(&run, arguments.report.as_deref()) {
+        Ok(path) => Some(path),
+        Err(fault) => {
+            complain(&format!("warning: no page about this run: {fault}"));
+            None
+        }
+    }
 }
 
 /// Tells how the run ended, unless that is being told already: a run that stops just when the time for
@@ -66,26 +93,7 @@ fn stop_on_signal(session: Session) -> Result<(), Refusal> {
     ctrlc::set_handler(stop).map_err(|fault| Refusal(format!("error: {fault}")))
 }
 
-/// A report is written whole or not at all, like any other file.
-fn write_report(report: &RunReport, path: &Path) -> Result<(), Refusal> {
-    let fail = |fault: &dyn std::fmt::Display| {
-        Refusal(format!("error: cannot write the report {}: {fault}", path.display()))
-    };
-    let mut text = serde_json::to_vec_pretty(report).map_err(|fault| fail(&fault))?;
-    text.push(b'\n');
-    if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(|fault| fail(&fault))?;
-    }
-    let aside = path.with_extension("json.part");
-    let written = fs::write(&aside, text).and_then(|()| fs::rename(&aside, path));
-    written.map_err(|fault| {
-        // There is nothing to remove where not even that could be written.
-        let _ = fs::remove_file(&aside);
-        fail(&fault)
-    })
-}
-
-fn tell(report: &RunReport, quiet: bool) {
+fn tell(report: &RunReport, page: Option<&Path>, quiet: bool) {
     for (id, node) in &report.nodes {
         if let (NodeStatus::Failed, Some(reason)) = (node.status, &node.reason) {
             let fault = Diagnostic::error(format!("node {id:?} ({}): {reason}", node.kind));
@@ -119,6 +127,9 @@ fn tell(report: &RunReport, quiet: bool) {
         text.push_str(&format!("{file}\n"));
     }
     say(&text);
+    if let Some(page) = page {
+        complain(&format!("all about this run: {}", page.display()));
+    }
     if report.status == RunStatus::Done {
         complain(&format!("done in {:.2} s", report.wall_s));
     }

@@ -4,10 +4,11 @@ use crate::cancel::CancelToken;
 use crate::catalog::Catalogs;
 use crate::files::{FileError, FileHashes, Files, InputFile, OutputName};
 use crate::node_error::NodeError;
-use crate::report::{Note, Observer, Weight};
+use crate::report::{Note, Observer, ReadFile, Weight};
 use crate::staging::{OutputFile, Staging, Writer};
 use std::any::Any;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -26,7 +27,12 @@ pub struct Context<'a> {
     pub(crate) cancel: &'a CancelToken,
     pub(crate) observer: &'a dyn Observer,
     pub(crate) notes: Mutex<Vec<Note>>,
+    /// What the nodes of the run have read.
+    pub(crate) read: &'a Reads,
 }
+
+/// The files that a run has read so far, by path.
+pub(crate) type Reads = Mutex<BTreeMap<String, ReadFile>>;
 
 impl Context<'_> {
     /// The contents of a file.
@@ -36,11 +42,15 @@ impl Context<'_> {
     pub fn read(&self, file: &InputFile) -> Result<Cow<'static, [u8]>, FileError> {
         let bytes = self.files.read(file, self.cancel)?;
         // What is made of the new contents must not be kept as made of the old ones.
+        let (found, path) = (blake3::hash(&bytes), file.to_string());
         match self.hashes.and_then(|hashes| hashes.get(file)) {
-            Some(hash) if *hash != blake3::hash(&bytes) => {
-                Err(FileError::Changed { path: file.to_string() })
+            Some(hash) if *hash != found => Err(FileError::Changed { path }),
+            _ => {
+                let blake3 = found.to_hex().to_string();
+                let file = ReadFile { path: path.clone(), bytes: bytes.len() as u64, blake3 };
+                self.read.lock().unwrap_or_else(PoisonError::into_inner).insert(path, file);
+                Ok(bytes)
             }
-            _ => Ok(bytes),
         }
     }
 
@@ -114,7 +124,7 @@ impl Context<'_> {
 /// temporary files and vanish.
 pub fn with_context<T>(catalogs: &Catalogs, work: impl FnOnce(&Context<'_>) -> T) -> T {
     let staging = Staging::new(std::env::temp_dir());
-    let cancel = CancelToken::default();
+    let (cancel, read) = (CancelToken::default(), Reads::default());
     work(&Context {
         index: 0,
         node: "test",
@@ -127,6 +137,7 @@ pub fn with_context<T>(catalogs: &Catalogs, work: impl FnOnce(&Context<'_>) -> T
         cancel: &cancel,
         observer: &(),
         notes: Mutex::default(),
+        read: &read,
     })
 }
 

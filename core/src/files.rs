@@ -235,6 +235,14 @@ impl Files {
         }
     }
 
+    /// The size.
+    pub(crate) fn bytes(&self, file: &InputFile) -> Result<u64, FileError> {
+        Ok(match self.open(file)? {
+            Opened::BuiltIn(bytes) => bytes.len() as u64,
+            Opened::Disk(_, bytes) => bytes,
+        })
+    }
+
     fn open(&self, file: &InputFile) -> Result<Opened, FileError> {
         let path = file.to_string();
         let disk = match &file.place {

@@ -55,7 +55,7 @@ pub use port::{Facts, InputValues, Inputs, Outputs, PortSpec, PortType, Value};
 pub use recipe::Recipe;
 pub use registry::{Registry, RegistryError};
 pub use report::{
-    NodeReport, NodeStatus, Note, Observer, PortReport, RunReport, RunStatus, Weight,
+    NodeReport, NodeStatus, Note, Observer, PortReport, ReadFile, RunReport, RunStatus, Weight,
 };
 pub use run::{RunOptions, Session, THREAD_NAME, run};
 pub use staging::{OutputFile, WrittenFile};

@@ -1,6 +1,7 @@
 //! What is told of a run, while it goes on and afterwards, to people and scripts.
 
 use crate::source::Span;
+use crate::staging::WrittenFile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -109,6 +110,17 @@ pub struct NodeReport {
     pub starved: bool,
 }
 
+/// A file that a run read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReadFile {
+    /// Its path as the recipe or the user gave it; of a built-in file the path inside the program.
+    pub path: String,
+    /// Its size.
+    pub bytes: u64,
+    /// The BLAKE3 hash of its contents, in hex.
+    pub blake3: String,
+}
+
 /// What is told of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunReport {
@@ -124,6 +136,12 @@ pub struct RunReport {
     pub threads: usize,
     /// The files that were written, or found as they would have been written.
     pub files: Vec<String>,
+    /// The same files by node, with their sizes and hashes.
+    #[serde(skip)]
+    pub written: Vec<(String, WrittenFile)>,
+    /// The files that were read, or had been read for what was cached, by path.
+    #[serde(skip)]
+    pub read: Vec<ReadFile>,
     /// The nodes by name.
     pub nodes: BTreeMap<String, NodeReport>,
     /// What went wrong outside of any node, such as putting the files in place.

@@ -8,14 +8,14 @@
 
 use crate::cache::{Cache, Entry};
 use crate::cancel::CancelToken;
-use crate::context::Context;
+use crate::context::{Context, Reads};
 use crate::files::{FileError, InputFile};
 use crate::graph::GraphNode;
 use crate::node_error::NodeError;
 use crate::plan::{Plan, Step, output_types};
 use crate::port::{InputValues, PortSpec, Value};
 use crate::report::{
-    NodeReport, NodeStatus, Observer, PortReport, RunReport, RunStatus, peak_rss_mb,
+    NodeReport, NodeStatus, Observer, PortReport, ReadFile, RunReport, RunStatus, peak_rss_mb,
 };
 use crate::staging::{Staging, Writer, WrittenFile};
 use rayon::Scope;
@@ -139,6 +139,7 @@ struct Runner<'a> {
     slots: Vec<Slot>,
     /// The nodes that read from each node and have a turn.
     readers: Vec<Vec<usize>>,
+    read: Reads,
 }
 
 /// Runs a plan. It always comes back with a report, whatever fails.
@@ -175,7 +176,8 @@ impl<'a> Runner<'a> {
         let count = plan.graph.nodes.len();
         let mut slots = Vec::new();
         slots.resize_with(count, Slot::default);
-        let runner = Self { plan, options, session, slots, readers: vec![Vec::new(); count] };
+        let readers = vec![Vec::new(); count];
+        let runner = Self { plan, options, session, slots, readers, read: Reads::default() };
         runner.with_readers()
     }
 
@@ -370,6 +372,7 @@ impl<'a> Runner<'a> {
             cancel: &self.session.cancel,
             observer: self.options.observer,
             notes: Mutex::default(),
+            read: &self.read,
         }
     }
 
@@ -469,12 +472,12 @@ impl<'a> Runner<'a> {
         } else {
             RunStatus::Done
         };
-        let mut files = Vec::new();
+        let mut written = Vec::new();
         if matches!(status, RunStatus::Done | RunStatus::Failed) {
             match self.session.staging.publish(|at| finished[at]) {
                 None => status = RunStatus::Interrupted,
                 Some(published) => {
-                    files = self.files(published.files, &finished);
+                    written = self.files(published.files, &finished);
                     if let Some(fault) = published.fault {
                         status = RunStatus::Failed;
                         trouble = Some(fault.to_string());
@@ -485,6 +488,9 @@ impl<'a> Runner<'a> {
             self.session.staging.abandon();
         }
         self.remember(&finished);
+        let read = self.files_read();
+        let path = |name: &str| self.session.out.join(name).display().to_string();
+        let files = written.iter().map(|(_, file)| path(&file.name)).collect();
         let wall_s = started.elapsed().as_secs_f64();
         let recipe = graph.recipe.clone();
         RunReport {
@@ -494,20 +500,42 @@ impl<'a> Runner<'a> {
             peak_rss_mb: peak_rss_mb(),
             threads,
             files,
+            written,
+            read,
             nodes,
             trouble,
         }
     }
 
-    /// The paths of all output files, those that were there already included, in the nodes' order.
-    fn files(&self, published: Vec<(usize, WrittenFile)>, finished: &[bool]) -> Vec<String> {
+    /// All output files and the nodes that wrote them, those that were there already included, in the
+    /// nodes' order.
+    fn files(
+        &self,
+        published: Vec<(usize, WrittenFile)>,
+        finished: &[bool],
+    ) -> Vec<(String, WrittenFile)> {
         let found = self.found().filter(|(at, _)| finished[*at]);
-        let found = found.flat_map(|(at, entry)| entry.files.iter().map(move |file| (at, file)));
-        let mut files: Vec<_> =
-            published.iter().map(|(at, file)| (*at, file)).chain(found).collect();
+        let found =
+            found.flat_map(|(at, entry)| entry.files.iter().map(move |file| (at, file.clone())));
+        let mut files: Vec<_> = published.into_iter().chain(found).collect();
         files.sort_by(|a, b| (a.0, &a.1.name).cmp(&(b.0, &b.1.name)));
-        let path = |name: &str| self.session.out.join(name).display().to_string();
-        files.iter().map(|(_, file)| path(&file.name)).collect()
+        let by_id = |(at, file): (usize, _)| (self.plan.graph.nodes[at].id.clone(), file);
+        files.into_iter().map(by_id).collect()
+    }
+
+    /// The files that nodes have read, and those whose contents stand for what was cached.
+    fn files_read(&self) -> Vec<ReadFile> {
+        let mut read = std::mem::take(&mut *lock(&self.read));
+        let graph = self.plan.graph;
+        for file in self.found().flat_map(|(at, _)| graph.nodes[at].files()) {
+            let hash = self.plan.depends.as_ref().and_then(|depends| depends.files.get(file));
+            // One that is gone since then is not told of.
+            if let (Some(hash), Ok(bytes)) = (hash, graph.files.bytes(file)) {
+                let (path, blake3) = (file.to_string(), hash.to_hex().to_string());
+                read.entry(path.clone()).or_insert(ReadFile { path, bytes, blake3 });
+            }
+        }
+        read.into_values().collect()
     }
 
     /// Notes what the nodes that finished depended on; of the others stays what was noted before.

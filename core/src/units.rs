@@ -22,6 +22,8 @@ pub enum Dimension {
     Length,
     /// Counted in mm/min.
     Feed,
+    /// Counted in mm/s².
+    Acceleration,
     /// Counted in degrees.
     Angle,
     /// Counted in revolutions per minute.
@@ -65,6 +67,9 @@ const UNITS: &[Unit] = &[
     unit(Dimension::Feed, &["m/min"], 1000.0, 1.0),
     unit(Dimension::Feed, &["in/min", "ipm"], 254.0, 10.0),
     unit(Dimension::Feed, &["in/s"], 1524.0, 1.0),
+    unit(Dimension::Acceleration, &["mm/s2", "mm/s²"], 1.0, 1.0),
+    unit(Dimension::Acceleration, &["m/s2", "m/s²"], 1000.0, 1.0),
+    unit(Dimension::Acceleration, &["in/s2", "in/s²"], 254.0, 10.0),
     unit(Dimension::Angle, &["deg", "°"], 1.0, 1.0),
     unit(Dimension::Angle, &["rad"], 180.0, PI),
     unit(Dimension::Spindle, &["rpm", "RPM", "1/min", "/min"], 1.0, 1.0),
@@ -110,6 +115,7 @@ impl fmt::Display for Dimension {
         f.write_str(match self {
             Self::Length => "a length",
             Self::Feed => "a feed",
+            Self::Acceleration => "an acceleration",
             Self::Angle => "an angle",
             Self::Spindle => "a spindle speed",
             Self::Time => "a time",
@@ -263,6 +269,9 @@ mod tests {
         check("10ipm", Feed, 254.0);
         check("10 in/min", Feed, 254.0);
         check("1in/s", Feed, 1524.0);
+        check("300mm/s2", Acceleration, 300.0);
+        check("0.5 m/s²", Acceleration, 500.0);
+        check("10in/s2", Acceleration, 254.0);
         check("15deg", Angle, 15.0);
         check("15°", Angle, 15.0);
         check("3.141592653589793rad", Angle, 180.0);

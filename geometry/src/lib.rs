@@ -32,6 +32,7 @@ mod reduce;
 mod relief;
 mod simulate;
 mod stitch;
+mod time;
 mod toolpath;
 mod trace;
 
@@ -67,6 +68,7 @@ pub use simulate::{
     StepDown, Stock, simulate,
 };
 pub use stitch::{StitchError, close_solid, point_cloud, stitch};
+pub use time::{Kinematics, TimeError, Times, machining_time};
 pub use toolpath::{Contact, ContactKind, Feeds, Span, SpanKind, Toolpath};
 pub use trace::{TraceError, trace_level};
 

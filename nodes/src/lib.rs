@@ -26,6 +26,7 @@ mod values;
 
 pub use assemble::registry;
 pub use carvegraph_sdk::{CutterShape, Dialect};
+pub use check::{Estimate, RunTimes};
 pub use job::{Drive, Job, Operation};
 pub use library::LIBRARY;
 pub use machining::{Machining, TextFault, ToolRun};

@@ -1,6 +1,6 @@
 //! The one list of nodes, and the one list of what passes between them.
 
-use crate::check::{Simulated, Verification};
+use crate::check::{Estimate, RunTimes, Simulated, Verification};
 use crate::job::{Job, Operation, described};
 use crate::machining::Machining;
 use crate::shop::{Setup, ToolSheet};
@@ -41,6 +41,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::DropOnMesh>("path"),
         NodeKind::of::<path::DropOnPoints>("path"),
         NodeKind::of::<picture::EdgeEmphasis>("picture"),
+        NodeKind::of::<check::EstimateTime>("check"),
         NodeKind::of::<mask::FeatherMask>("mask"),
         NodeKind::of::<picture::FlipImage>("picture"),
         NodeKind::of::<picture::GaussianBlur>("picture"),
@@ -121,6 +122,12 @@ pub(crate) fn types() -> Vec<PortType> {
             "How far a machined surface is from the one that was meant",
             deviation_facts,
             |deviation: &Deviation| deviation.distances_mm.len() * 4,
+        ),
+        PortType::of(
+            "estimate",
+            "How long a job takes on a machine",
+            Estimate::facts,
+            |estimate: &Estimate| estimate.runs.len() * size_of::<RunTimes>(),
         ),
         PortType::of("gcode", "A machine program", gcode_facts, |code: &Gcode| code.bytes()),
         PortType::of("gray_image", "A gray picture", gray_facts, |image: &GrayImage| {

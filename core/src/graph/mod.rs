@@ -20,7 +20,7 @@ use crate::source::Span;
 use flatten::{Flattened, Flattener};
 use petgraph::graph::{DiGraph, NodeIndex};
 use settle::Settled;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 pub use assign::Setting;
@@ -156,6 +156,18 @@ impl Graph {
     #[must_use]
     pub fn find(&self, id: &str) -> Option<usize> {
         self.nodes.iter().position(|node| node.id == id)
+    }
+
+    /// What a file about the whole run is called after: what its output files are, or the recipe if they
+    /// are not all called after one thing.
+    #[must_use]
+    pub fn prefix(&self) -> String {
+        let writing = self.nodes.iter().filter(|node| node.writes_files() && node.idle.is_none());
+        let prefixes: BTreeSet<&str> = writing.map(|node| node.prefix.as_str()).collect();
+        match prefixes.first() {
+            Some(one) if prefixes.len() == 1 => (*one).to_owned(),
+            _ => harmless_stem(Path::new(&self.recipe)),
+        }
     }
 
     /// The node numbers in an order in which each stands behind those it reads from.

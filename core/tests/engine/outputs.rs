@@ -1,7 +1,9 @@
 //! Output files: whole or not at all, and nowhere else.
 
 use crate::toy::{Shop, files, recipe, told};
-use carvegraph_core::{NodeStatus, Origin, OutputName, Plan, RunOptions, RunStatus, Session};
+use carvegraph_core::{
+    MemoryCache, NodeStatus, Origin, OutputName, Plan, RunOptions, RunStatus, Session,
+};
 use std::fs;
 use std::path::PathBuf;
 
@@ -96,6 +98,38 @@ fn files_are_named_after_the_first_file_read() {
     let report = shop.run(&recipe(nodes, r#""a", "b", "c""#));
     assert_eq!(files(&report), ["my photo.txt", "toy.txt", "my photo-2.nc"]);
     assert_eq!(shop.outputs().unwrap(), ["my photo-2.nc", "my photo.txt", "toy.txt"]);
+}
+
+#[test]
+fn a_file_about_the_run_is_called_like_its_outputs_or_like_the_recipe() {
+    let shop = Shop::new();
+    shop.write("photo.txt", "x");
+    let nodes = r#""l": (kind: "load", set: {"path": "photo.txt"}), "n": (kind: "number"),
+"a": (kind: "save", from: {"text": "l"}), "b": (kind: "save", from: {"text": "l"}, set: {"name": "{prefix}-2"}),
+"c": (kind: "save", from: {"number": "n"})"#;
+    assert_eq!(shop.graph(&recipe(nodes, r#""a""#)).prefix(), "toy");
+    let (alike, _) = nodes.split_once(",\n\"c\"").unwrap();
+    assert_eq!(shop.graph(&recipe(alike, r#""a", "b""#)).prefix(), "photo");
+}
+
+#[test]
+fn a_report_knows_the_contents_of_what_was_read_and_written_cached_or_not() {
+    let shop = Shop::new();
+    shop.write("photo.txt", "xyz");
+    let nodes = r#""l": (kind: "load", set: {"path": "photo.txt"}),
+"a": (kind: "save", from: {"text": "l"})"#;
+    let cache = MemoryCache::new(1 << 20);
+    let hash = |text: &[u8]| blake3::hash(text).to_hex().to_string();
+    for _ in 0..2 {
+        let report = shop.run_cached(&recipe(nodes, r#""a""#), Some(&cache));
+        let [read] = &report.read[..] else { panic!("{:?}", report.read) };
+        assert!(read.path.ends_with("photo.txt"), "{}", read.path);
+        assert_eq!((read.bytes, &read.blake3), (3, &hash(b"xyz")));
+        let [(node, file)] = &report.written[..] else { panic!("{:?}", report.written) };
+        let text = shop.read("photo.txt").unwrap();
+        assert_eq!((&node[..], &file.name[..]), ("a", "photo.txt"));
+        assert_eq!((file.bytes, &file.blake3), (text.len() as u64, &hash(text.as_bytes())));
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! From the program's text back to what a machine makes of it.
 
 mod deviation;
+mod estimate;
+mod estimate_time;
 mod follow;
 mod load_gcode;
 mod read;
@@ -10,6 +12,8 @@ mod simulate;
 mod verify;
 
 pub(crate) use deviation::DeviationNode;
+pub use estimate::{Estimate, RunTimes};
+pub(crate) use estimate_time::EstimateTime;
 pub(crate) use load_gcode::LoadGcode;
 pub(crate) use read_gcode::ReadGcode;
 pub(crate) use scallop_plot::ScallopPlot;

@@ -1,5 +1,6 @@
 //! What was made, in words.
 
+use crate::check::Estimate;
 use crate::job::{Job, described};
 use crate::shop::{NONE, Setup};
 use crate::values::{Gcode, ProgramText, Remark, ToolUse};
@@ -35,6 +36,8 @@ pub(crate) struct Made<'a> {
     toolpath: Option<&'a Toolpath>,
     /// The program, or one for each tool.
     program: Option<&'a Gcode>,
+    /// How long the machine takes for all of it.
+    estimate: Option<&'a Estimate>,
 }
 
 impl Node for Summary {
@@ -76,10 +79,13 @@ fn summary(title: &str, made: &Made<'_>) -> String {
         say("reduction", describe_reduction(reduction));
     }
     if let Some(job) = made.before {
-        describe_job(job, &mut say);
+        describe_job(job, made.estimate.is_none(), &mut say);
     }
     if let Some(path) = made.toolpath {
         describe_path(path, made, &mut say);
+    }
+    if let Some(estimate) = made.estimate {
+        describe_estimate(estimate, &mut say);
     }
     if let Some(program) = made.program {
         describe_program(program, &mut say);
@@ -117,11 +123,12 @@ fn describe_reduction(reduction: &Reduction) -> String {
     )
 }
 
-/// What goes before the path, with the time that it takes.
-fn describe_job(job: &Job, say: &mut impl FnMut(&str, String)) {
+/// What goes before the path, with the time that it takes if nobody knows better.
+fn describe_job(job: &Job, with_time: bool, say: &mut impl FnMut(&str, String)) {
     for operation in &job.operations {
         let path = &operation.toolpath;
-        let time = path.time_at_full_speed_s().map(|seconds| format!(", {}", hours(seconds)));
+        let time = path.time_at_full_speed_s().filter(|_| with_time);
+        let time = time.map(|seconds| format!(", {}", hours(seconds)));
         say(
             "before",
             format!(
@@ -141,7 +148,7 @@ fn describe_path(path: &Toolpath, made: &Made<'_>, say: &mut impl FnMut(&str, St
     let fed = path.length_mm(|kind| kind != SpanKind::Rapid) / 1000.0;
     let rapid = path.length_mm(|kind| kind == SpanKind::Rapid) / 1000.0;
     say("length", format!("{fed:.2} m fed, {rapid:.2} m rapid"));
-    if let Some(seconds) = path.time_at_full_speed_s() {
+    if let Some(seconds) = path.time_at_full_speed_s().filter(|_| made.estimate.is_none()) {
         let time = hours(seconds);
         say("time", format!("{time} at full speed; accelerating takes a machine longer"));
     }
@@ -152,6 +159,29 @@ fn describe_path(path: &Toolpath, made: &Made<'_>, say: &mut impl FnMut(&str, St
         say("depth", if made.before.is_some() { depth } else { depth + advice });
     }
 }
+
+/// How long the machine takes, what of that is not cutting at full speed, and how long each tool is in it.
+fn describe_estimate(estimate: &Estimate, say: &mut impl FnMut(&str, String)) {
+    say("time", format!("{} {}", hours(estimate.total_s()), estimate.machine));
+    if let several @ [_, _, ..] = &estimate.runs[..] {
+        for run in several {
+            say("", format!("{:<11}{} with {}", "", hours(run.total_s()), run.cutter));
+        }
+    }
+    let parts = [
+        ("gathering and losing speed", estimate.sum(|run| run.times.accelerating_s)),
+        ("waiting for lines", estimate.sum(|run| run.times.waiting_s)),
+        ("changing tools", estimate.changing_s),
+    ];
+    let parts = parts.into_iter().filter(|(_, seconds)| *seconds >= WORTH_TELLING_S);
+    let parts: Vec<_> = parts.map(|(what, s)| format!("{} {what}", hours(s))).collect();
+    if !parts.is_empty() {
+        say("of it", parts.join(", "));
+    }
+}
+
+/// What takes less is not told apart: times are in whole minutes.
+const WORTH_TELLING_S: f64 = 60.0;
 
 fn hours(seconds: f64) -> String {
     let minutes = (seconds / 60.0).ceil() as u64;
@@ -211,6 +241,7 @@ mod tests {
         before: None,
         toolpath: None,
         program: None,
+        estimate: None,
     };
 
     #[test]
@@ -305,5 +336,39 @@ mod tests {
         let line = "before     rough: flat, diameter 6 mm; 2 points in 1 passes, 0 h 01 min\n";
         assert!(told.contains(line), "{told}");
         assert!(told.ends_with("the tip goes 1.000 mm below the top\n"), "{told}");
+    }
+
+    #[test]
+    fn the_machines_time_takes_the_place_of_that_at_full_speed() {
+        use crate::check::RunTimes;
+        use crate::job::testing::path;
+        use carvegraph_geometry::Times;
+        let path = path(1.0);
+        let run = |cutter: &str, cutting_s, accelerating_s| {
+            let times = Times { cutting_s, accelerating_s, rapid_s: 30.0, ..Times::default() };
+            RunTimes { cutter: cutter.into(), times, dwell_s: 0.0 }
+        };
+        let machine = "on shed".to_owned();
+        let one = Estimate { runs: vec![run("ball", 2400.0, 650.0)], changing_s: 0.0, machine };
+        let told = |estimate: &Estimate| {
+            let made = Made { toolpath: Some(&path), estimate: Some(estimate), ..NOTHING };
+            let told = summary("mother", &made);
+            assert!(!told.contains("full speed"), "{told}");
+            told[told.find("time").unwrap()..].to_owned()
+        };
+        assert_eq!(
+            told(&one),
+            "time       0 h 41 min on shed\n\
+             of it      0 h 11 min gathering and losing speed\n"
+        );
+        let runs = vec![run("flat", 600.0, 10.0), run("ball", 2400.0, 10.0)];
+        let two = Estimate { runs, changing_s: 60.0, ..one };
+        assert_eq!(
+            told(&two),
+            "time       0 h 52 min on shed\n           \
+             0 h 11 min with flat\n           \
+             0 h 41 min with ball\n\
+             of it      0 h 01 min changing tools\n"
+        );
     }
 }

@@ -8,7 +8,7 @@
 //!     dialect: "grbl",
 //!     travel: (x: "425mm", y: "425mm", z: "75mm"),
 //!     max_feed: (x: "5m/min", y: "5m/min", z: "1m/min"),
-//!     acceleration: (x: 400, y: 400, z: 100),       // mm/s²
+//!     acceleration: (x: "400mm/s2", y: "400mm/s2", z: "100mm/s2"),
 //!     junction_deviation: "0.02mm",
 //!     rapid: "5m/min",
 //!     arcs: true,
@@ -275,7 +275,7 @@ fn machine(form: &Form, item: Item<'_>, source: &Source) -> Option<Machine> {
         move |item: Item<'_>| item.number(dimension, range.clone())
     };
     let speed = || number(Dimension::Feed, SPEEDS_MM_PER_MIN);
-    let acceleration = number(Dimension::Plain, ACCELERATIONS_MM_PER_S2);
+    let acceleration = number(Dimension::Acceleration, ACCELERATIONS_MM_PER_S2);
     let changes = [
         ("none", ToolChange::None),
         ("manual", ToolChange::Manual),

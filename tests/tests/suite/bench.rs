@@ -138,14 +138,16 @@ impl Bench {
         Report(serde_json::from_slice(&self.read("report.json")).unwrap())
     }
 
-    /// Names and contents of the files in a folder, hidden ones too; none if it is not there.
+    /// Names and contents of the files in a folder, hidden ones too; none if it is not there. Pages about runs
+    /// are left out: they stand beside all that follows and hold how long it took (see `report.rs`).
     pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let Ok(entries) = std::fs::read_dir(self.path(folder)) else { return BTreeMap::new() };
         let entry = |path: PathBuf| {
             let name = path.file_name().unwrap().to_str().unwrap().to_owned();
             (name, std::fs::read(path).unwrap_or_default())
         };
-        entries.map(|file| entry(file.unwrap().path())).collect()
+        let files = entries.map(|file| entry(file.unwrap().path()));
+        files.filter(|(name, _)| !name.ends_with(".html")).collect()
     }
 
     /// The names of all that lies in the folder that the command is called in.

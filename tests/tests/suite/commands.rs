@@ -210,7 +210,9 @@ fn help_and_version_are_told() {
         assert!(help.contains(&format!("  {command} ")), "{help}");
     }
     let run = told(&["run", "--help"]);
-    for option in ["--set", "--out", "--only", "--threads", "--cache", "--report", "--quiet"] {
+    for option in
+        ["--set", "--out", "--only", "--threads", "--cache", "--report", "--no-html", "--quiet"]
+    {
         assert!(run.contains(option), "{run}");
     }
     assert_eq!(told(&["--version"]), concat!("carve ", env!("CARGO_PKG_VERSION"), "\n"));

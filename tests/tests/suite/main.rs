@@ -25,6 +25,7 @@ mod recipes;
 mod refusals;
 mod relief;
 mod reliefs;
+mod report;
 mod sample;
 mod surfaces;
 mod threads;
