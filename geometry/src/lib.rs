@@ -61,7 +61,7 @@ pub use point_cloud::PointCloud;
 pub use polygon::{Filling, Polygon, PolygonError, offset, simplify_loop};
 pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};
-pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, reduce_chord, reduce_z_band};
+pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, fit_arcs, reduce_chord, reduce_z_band};
 pub use relief::{BasRelief, SlopeLimit, bas_relief, limit_slope};
 pub use simulate::{
     ARC_TOLERANCE_MM, Cut, Load, RAPID_TOLERANCE_MM, RapidCut, Removal, SimulateError, Simulation,

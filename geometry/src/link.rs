@@ -34,7 +34,7 @@ pub enum LinkError {
     SafeHeightTooLow {
         /// The safe height given, in mm.
         safe_z_mm: f64,
-        /// The highest tip, in mm.
+        /// The highest place of the tip, in mm.
         highest_mm: f64,
     },
     /// A speed that is not one.
@@ -123,7 +123,7 @@ fn check(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<(), LinkError>
             return Err(LinkError::BadFeed { what, value });
         }
     }
-    let highest_mm = path.tips.iter().map(|tip| tip.z).fold(f64::NEG_INFINITY, f64::max);
+    let (_, highest_mm) = path.heights_mm();
     if !(safe_z_mm.is_finite() && safe_z_mm >= highest_mm) {
         return Err(LinkError::SafeHeightTooLow { safe_z_mm, highest_mm });
     }
@@ -133,6 +133,7 @@ fn check(path: &Toolpath, safe_z_mm: f64, feeds: Feeds) -> Result<(), LinkError>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Direction, PathArc, Plane};
 
     const FEEDS: Feeds =
         Feeds { cut_mm_per_min: 600.0, plunge_mm_per_min: 200.0, rapid_mm_per_min: 3000.0 };
@@ -198,6 +199,23 @@ mod tests {
             end = span.points.end;
         }
         assert_eq!((end, linked.contacts.len()), (linked.tips.len(), linked.tips.len()));
+    }
+
+    #[test]
+    fn arcs_go_with_their_moves_and_bulge_below_the_safe_height() {
+        let half_turn = |direction| {
+            let mut path = two_passes(false);
+            path.tips[..2].copy_from_slice(&[DVec3::Z * 4.0, DVec3::new(1.0, 0.0, 4.0)]);
+            let center = DVec3::new(0.5, 0.0, 4.0);
+            path.arcs = vec![(1, PathArc { plane: Plane::Zx, direction, center })];
+            path
+        };
+        let valley = half_turn(Direction::Clockwise);
+        let linked = link_passes(&valley, 4.2, FEEDS).unwrap();
+        assert_eq!(linked.arcs, [(3, valley.arcs[0].1)]);
+        assert_eq!(linked.tips[2..4], valley.tips[..2]);
+        let too_low = LinkError::SafeHeightTooLow { safe_z_mm: 4.2, highest_mm: 4.5 };
+        assert_eq!(link_passes(&half_turn(Direction::CounterClockwise), 4.2, FEEDS), Err(too_low));
     }
 
     #[test]

@@ -3,9 +3,10 @@
 //! A [`crate::Toolpath`] is a path as it is planned, with its passes and contacts. A [`Motion`] is what is
 //! left of it for a machine, or what a program says when it is read.
 
+use crate::Bounds;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A sense of turning: of the spindle seen from above the work, of an arc seen against the axis
 /// that stands on its plane.
@@ -121,6 +122,23 @@ impl PathArc {
             _ if k == count => to,
             _ => arc.point(from, to, k as f64 / count as f64),
         })
+    }
+
+    /// The box around it, where it bulges beyond its ends too.
+    #[must_use]
+    pub fn bounds(&self, from: DVec3, to: DVec3) -> Bounds {
+        let (sweep, start) = (self.sweep_rad(from, to), self.angle(from));
+        let mut around = Bounds { min: from.min(to), max: from.max(to) };
+        for quarter in 0..4 {
+            let ahead = f64::from(quarter) * FRAC_PI_2 - start;
+            let turn = if self.direction == Direction::Clockwise { -ahead } else { ahead };
+            let turn = turn.rem_euclid(TAU);
+            if turn < sweep {
+                let place = self.point(from, to, turn / sweep);
+                around = Bounds { min: around.min.min(place), max: around.max.max(place) };
+            }
+        }
+        around
     }
 
     fn angle(&self, point: DVec3) -> f64 {
@@ -240,6 +258,30 @@ mod tests {
             });
             let worst = worst.fold(0.0, f64::max);
             assert!(worst <= tolerance && worst > tolerance / 8.0, "{worst} of {tolerance}");
+        }
+    }
+
+    #[test]
+    fn the_box_holds_what_bulges_and_no_more() {
+        for plane in [Plane::Xy, Plane::Zx, Plane::Yz] {
+            for direction in [Direction::Clockwise, Direction::CounterClockwise] {
+                for (start, end) in [(0.2, 1.3), (0.2, 2.0), (1.3, 0.2), (6.0, 3.5), (3.0, 3.2)] {
+                    let arc = PathArc { plane, direction, center: DVec3::new(1.0, -2.0, 3.0) };
+                    let [first, second, normal] = plane.axes();
+                    let [from, to] = [(start, 0.0), (end, 0.5)].map(|(angle, up): (f64, f64)| {
+                        let mut point = arc.center;
+                        point[first] += 4.0 * angle.cos();
+                        point[second] += 4.0 * angle.sin();
+                        point[normal] += up;
+                        point
+                    });
+                    let places = (0..=4000).map(|k| arc.point(from, to, f64::from(k) / 4000.0));
+                    let (mut min, mut max) = (from, from);
+                    places.for_each(|place| (min, max) = (min.min(place), max.max(place)));
+                    let around = arc.bounds(from, to);
+                    assert!(around.min.distance(min) < 1e-4 && around.max.distance(max) < 1e-4);
+                }
+            }
         }
     }
 

@@ -135,6 +135,19 @@ impl Toolpath {
         length
     }
 
+    /// The lowest and the highest place of the tip, on arcs too, in mm; endless and inverted if there is
+    /// none.
+    #[must_use]
+    pub fn heights_mm(&self) -> (f64, f64) {
+        let ends = self.tips.iter().map(|tip| (tip.z, tip.z));
+        let bulges = self.arcs.iter().map(|(end, arc)| {
+            let around = arc.bounds(self.tips[end - 1], self.tips[*end]);
+            (around.min.z, around.max.z)
+        });
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        ends.chain(bulges).fold(none, |(low, high), (z, top)| (low.min(z), high.max(top)))
+    }
+
     /// The arcs of a span, with the indices of the tips at which they end.
     pub fn arcs_within(&self, span: &Span) -> &[(usize, PathArc)] {
         let before = |index: usize| self.arcs.partition_point(|(end, _)| *end < index);

@@ -102,7 +102,7 @@ impl Step<'_> {
         let ends = [path.tips.first(), path.tips.last()];
         let lowest = ends.map(|tip| tip.map_or(f64::NEG_INFINITY, |tip| tip.z));
         let lowest = lowest[0].min(lowest[1]);
-        let highest = path.tips.iter().map(|tip| tip.z).fold(top_mm, f64::max);
+        let highest = path.heights_mm().1.max(top_mm);
         let from_above = is_rapid(path.spans.first()) && is_rapid(path.spans.last());
         if from_above && lowest >= highest {
             return Ok(());

@@ -354,7 +354,7 @@ fn job_bytes(job: &Job) -> usize {
 }
 
 fn path_bytes(path: &Toolpath) -> usize {
-    path.tips.len() * (24 + 32) + path.spans.len() * 24
+    path.tips.len() * (24 + 32) + path.spans.len() * 24 + path.arcs.len() * 40
 }
 
 fn mesh_facts(mesh: &Mesh) -> Facts {

@@ -3,17 +3,26 @@
 //! Along a span that is straight in plan the heights are a function of the way s. A chord from
 //! point i may run to point j if its slope lies in the cone of slopes that pass all points between
 //! within the band [z − below, z + above]; the cone narrows from point to point (the sleeve or
-//! funnel method, cf. H. Imai, M. Iri, *Polygonal approximations of a curve*, 1988). The farthest
-//! such j is taken. One walk over the points, so the time grows with their number.
+//! funnel method). So a walk from i tells all points that it reaches, and the least number of chords
+//! follows point by point (H. Imai, M. Iri, *Polygonal approximations of a curve*, 1988, as the
+//! shortest way through a graph).
+//!
+//! A walk ends where its cone closes, or after [`LOOK`] points. Only from the points of one way, that which
+//! always goes as far as it can, does it go on: else the flat ground of a picture would take
+//! the square of its length. So the number of chords is the least where cones close within so many
+//! points, and never more than by going farthest.
 //!
 //! Along a span that bends in plan a chord is tried over twice as many points each time, then the
-//! farthest that fits is searched by halving: n log n, each test by the plain distances.
-//!
-//! Farthest-first is not always the least possible number of points when chords must end on points
-//! of the path, but it is never more than a few above.
+//! farthest that fits is searched by halving: n log n, each test by the plain distances. Going
+//! farthest is not always the least number there.
 
+use super::fewest::Fewest;
 use super::{CHORD_ALLOWANCE_MM, offset, straight_runs};
 use glam::DVec3;
+
+/// How many points most walks look ahead. On photographs a cone closes after 5 to 20; longer looks cost
+/// time on flat ground only, where there is next to nothing to gain.
+pub(super) const LOOK: usize = 128;
 
 /// A cone that has accepted no point for this many is given up though still open, so that the time
 /// stays linear on paths that are noise within the band.
@@ -21,8 +30,8 @@ const PATIENCE: usize = 4096;
 
 /// How far a chord may pass above and below the points it skips, in mm.
 pub(super) struct Band {
-    above: f64,
-    below: f64,
+    pub(super) above: f64,
+    pub(super) below: f64,
 }
 
 impl Band {
@@ -37,44 +46,68 @@ impl Band {
 
     /// Indices of the points of a span that are kept.
     pub(super) fn keep(&self, tips: &[DVec3]) -> Vec<usize> {
-        let last = tips.len() - 1;
-        let straight = straight_runs(tips).len() == 2;
-        let mut kept = vec![0];
-        let mut from = 0;
-        while from < last {
-            from = if straight {
-                self.farthest_in_cone(tips, from)
-            } else {
-                self.farthest_that_fits(tips, from)
-            };
-            kept.push(from);
-        }
-        kept
+        if straight_runs(tips).len() == 2 { self.fewest(tips) } else { self.farthest_first(tips) }
     }
 
-    /// The farthest point that a chord from `from` reaches on a straight span.
-    fn farthest_in_cone(&self, tips: &[DVec3], from: usize) -> usize {
+    /// The points that chords along a straight span end at, as few as a look ahead finds.
+    fn fewest(&self, tips: &[DVec3]) -> Vec<usize> {
+        let last = tips.len() - 1;
+        let mut route = Fewest::new(tips.len(), ());
+        let mut landmark = 0;
+        for from in 0..last {
+            let far = from == landmark;
+            let end = if far { last } else { last.min(from + LOOK) };
+            let farthest = self.walk(tips, from, end, |to| route.lead(from, to, 1, ()));
+            if far {
+                landmark = farthest;
+            }
+        }
+        std::iter::once(0).chain(route.moves().into_iter().map(|(end, ())| end)).collect()
+    }
+
+    /// Walks over a straight span from one point up to `end` until the cone closes, tells all points
+    /// that a chord reaches and answers the farthest of them.
+    pub(super) fn walk(
+        &self,
+        tips: &[DVec3],
+        from: usize,
+        end: usize,
+        mut reached: impl FnMut(usize),
+    ) -> usize {
         let origin = tips[from];
         let (mut least, mut greatest) = (f64::NEG_INFINITY, f64::INFINITY);
         let mut farthest = from + 1;
-        for (k, tip) in tips.iter().enumerate().skip(from + 1) {
+        reached(farthest);
+        for (k, tip) in tips.iter().enumerate().take(end + 1).skip(from + 1) {
             let way = (tip.truncate() - origin.truncate()).length();
             let rise = tip.z - origin.z;
             let slope = rise / way;
-            if least <= slope && slope <= greatest {
+            if k > farthest && least <= slope && slope <= greatest {
                 farthest = k;
+                reached(k);
             }
             least = least.max((rise - self.below) / way);
             greatest = greatest.min((rise + self.above) / way);
-            if least > greatest || k - farthest > PATIENCE {
+            // What is no number is not skipped.
+            if slope.is_nan() || least > greatest || k - farthest > PATIENCE {
                 break;
             }
         }
         farthest
     }
 
+    fn farthest_first(&self, tips: &[DVec3]) -> Vec<usize> {
+        let mut kept = vec![0];
+        let mut from = 0;
+        while from + 1 < tips.len() {
+            from = self.farthest_that_fits(tips, from);
+            kept.push(from);
+        }
+        kept
+    }
+
     /// A far point that a chord from `from` reaches on any span.
-    fn farthest_that_fits(&self, tips: &[DVec3], from: usize) -> usize {
+    pub(super) fn farthest_that_fits(&self, tips: &[DVec3], from: usize) -> usize {
         let last = tips.len() - 1;
         let (mut good, mut bad) = (from + 1, last + 1);
         let mut step = 2;
@@ -159,6 +192,40 @@ mod tests {
         let half = (1.0 - 0.01 / radius).acos();
         let ideal = 6.0 / (2.0 * half);
         assert!((reduced.tips.len() as f64) < ideal * 1.2 + 2.0, "{} {ideal}", reduced.tips.len());
+    }
+
+    /// The least number of points, by trying all chords against all points between.
+    fn least_by_trying(band: &Band, tips: &[DVec3]) -> usize {
+        let mut least = vec![1; tips.len()];
+        for to in 1..tips.len() {
+            let from = (0..to).filter(|&from| band.fits(&tips[from..=to]));
+            least[to] = from.map(|from| least[from] + 1).min().unwrap_or(usize::MAX);
+        }
+        least[tips.len() - 1]
+    }
+
+    #[test]
+    fn straight_spans_keep_the_least_number_of_points() {
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut fewer = 0;
+        for _ in 0..2000 {
+            let (rough, steep) = (random.f64() * 0.1, random.f64());
+            let heights: Vec<f64> = (0..random.usize(3..40))
+                .map(|k| (k as f64 * steep).sin() * 0.2 + rough * random.f64())
+                .collect();
+            let tips = along_x(&heights);
+            let band = Band::new(0.05 * random.f64(), [0.0, 0.01, 0.05][random.usize(0..3)]);
+            let kept = band.keep(&tips).len();
+            assert_eq!(kept, least_by_trying(&band, &tips));
+            fewer += usize::from(kept < band.farthest_first(&tips).len());
+        }
+        assert!(fewer > 20, "going farthest is as good: {fewer}");
+    }
+
+    #[test]
+    fn flat_ground_longer_than_the_look_is_one_chord() {
+        let flat = along_x(&vec![1.0; 5 * LOOK]);
+        assert_eq!(Band::new(0.01, 0.0).keep(&flat), [0, 5 * LOOK - 1]);
     }
 
     #[test]

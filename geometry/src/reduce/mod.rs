@@ -2,17 +2,24 @@
 //!
 //! * [`reduce_z_band`]: the rule of Sood (thesis 2015, section 4.4): points as high as the last one
 //!   kept, within a band, are skipped.
-//! * [`reduce_chord`]: as few points as a greedy search finds such that the path stays within a
-//!   tolerance of every point left out.
+//! * [`reduce_chord`]: as few points as are found such that the path stays within a tolerance of every
+//!   point left out.
+//! * [`fit_arcs`]: the same with arcs beside the lines, within a tolerance of the whole path.
 //!
-//! Both work on each pass or link by itself and keep its first and last point; rapids and plunges
-//! stay as they are. What was lost is measured on the result, not taken from the tolerance. Spans
-//! are independent, so the result is the same whatever the number of threads.
+//! All work on each pass or link by itself and keep its first and last point; rapids, plunges and spans
+//! that have arcs already stay as they are. What was lost is measured on the result, not taken from the
+//! tolerance. Spans are independent, so the result is the same whatever the number of threads.
 
+mod arc_fit;
+mod arcs;
 mod chord;
+mod fewest;
+mod sheet;
+#[cfg(test)]
+mod tests_of_arcs;
 mod z_band;
 
-use crate::{Span, SpanKind, Tick, Toolpath};
+use crate::{PathArc, Span, SpanKind, Tick, Toolpath};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -25,11 +32,14 @@ pub struct Reduction {
     /// Points after.
     pub points_out: usize,
     /// The farthest that a point left out lies from the reduced path at the same place in plan, in
-    /// mm: the vertical distance, and along bending passes the sideways one with it.
+    /// mm: the vertical distance, and along bending passes the sideways one with it. Under an arc the
+    /// path between the points counts too; under a level one at the same angle about its centre.
     pub max_deviation_mm: f64,
-    /// The most that the reduced path runs above a point left out, in mm: material stays.
+    /// The most that the reduced path runs above a point left out, under an arc above the path, in mm:
+    /// material stays.
     pub max_above_mm: f64,
-    /// The most that the reduced path runs below a point left out, in mm: a gouge.
+    /// The most that the reduced path runs below a point left out, under an arc below the path, in mm: a
+    /// gouge.
     pub max_below_mm: f64,
 }
 
@@ -48,7 +58,7 @@ pub fn reduce_z_band(
     tolerance_mm: f64,
     tick: Tick,
 ) -> Option<(Toolpath, Reduction)> {
-    reduce_by(path, tick, |tips| z_band::keep(tips, tolerance_mm))
+    reduce_by(path, tick, |tips| Kept::lines(tips, z_band::keep(tips, tolerance_mm)))
 }
 
 /// Takes out points that lie within `tolerance_mm` of the path without them, as many as possible,
@@ -67,7 +77,31 @@ pub fn reduce_chord(
     tick: Tick,
 ) -> Option<(Toolpath, Reduction)> {
     let band = chord::Band::new(tolerance_mm, gouge_tolerance_mm);
-    reduce_by(path, tick, |tips| band.keep(tips))
+    reduce_by(path, tick, |tips| Kept::lines(tips, band.keep(tips)))
+}
+
+/// Takes out points that lie within `tolerance_mm` of a path of lines and arcs, as many as possible, while
+/// that is never more than `gouge_tolerance_mm` below the path given.
+///
+/// Arcs follow where a span lies in a plane that a machine turns in: passes along X (G18) and along Y (G19),
+/// and what is level (G17). They turn through 150° at most, with radii from 0.05 mm to 5 m, and begin and
+/// end on points of the path. Elsewhere there are chords, as in [`reduce_chord`], and its tolerances and
+/// [`CHORD_ALLOWANCE_MM`] are those here.
+///
+/// An arc is held against all of the path that it replaces, the lines between its points included:
+/// upright in height at the same place in plan, level by the distances from its centre, where `tolerance_mm`
+/// alone counts.
+///
+/// `tick` counts points. `None` if it stopped the work.
+#[must_use]
+pub fn fit_arcs(
+    path: &Toolpath,
+    tolerance_mm: f64,
+    gouge_tolerance_mm: f64,
+    tick: Tick,
+) -> Option<(Toolpath, Reduction)> {
+    let band = chord::Band::new(tolerance_mm, gouge_tolerance_mm);
+    reduce_by(path, tick, |tips| arcs::keep(tips, &band))
 }
 
 /// What [`reduce_chord`] adds to its tolerances, in mm: a thousand times the rounding of a
@@ -78,22 +112,24 @@ pub const CHORD_ALLOWANCE_MM: f64 = 1e-9;
 /// rounding of slanted passes, far below what a machine resolves.
 const STRAIGHT_MM: f64 = 1e-6;
 
-/// Reduces each span to the points whose indices `keep` lists, in order.
+/// Reduces each span to what `keep` leaves of it.
 fn reduce_by(
     path: &Toolpath,
     tick: Tick,
-    keep: impl Fn(&[DVec3]) -> Vec<usize> + Sync,
+    keep: impl Fn(&[DVec3]) -> Kept + Sync,
 ) -> Option<(Toolpath, Reduction)> {
     let kept: Option<Vec<Kept>> = path
         .spans
         .par_iter()
         .map(|span| {
             let tips = &path.tips[span.points.clone()];
-            let kept = if is_cut(span) && tips.len() > 2 {
-                let indices = keep(tips);
-                Kept { deviation: Deviation::measure(tips, &indices), indices }
+            let arcs = path.arcs_within(span);
+            let kept = if is_cut(span) && tips.len() > 2 && arcs.is_empty() {
+                keep(tips)
             } else {
-                Kept { indices: (0..tips.len()).collect(), deviation: Deviation::default() }
+                let arcs = arcs.iter().map(|(end, arc)| (end - span.points.start, *arc)).collect();
+                let deviation = Deviation::default();
+                Kept { indices: (0..tips.len()).collect(), arcs, deviation }
             };
             tick(tips.len()).then_some(kept)
         })
@@ -109,7 +145,20 @@ fn is_cut(span: &Span) -> bool {
 struct Kept {
     /// Indices into the span.
     indices: Vec<usize>,
+    /// Arcs, by the index into the span of the point that they end at.
+    arcs: Vec<(usize, PathArc)>,
     deviation: Deviation,
+}
+
+impl Kept {
+    /// Lines between some points of a span.
+    fn lines(tips: &[DVec3], indices: Vec<usize>) -> Self {
+        let mut deviation = Deviation::default();
+        for pair in indices.windows(2) {
+            deviation.widen(&Deviation::of_line(&tips[pair[0]..=pair[1]]));
+        }
+        Self { indices, arcs: Vec::new(), deviation }
+    }
 }
 
 fn assemble(path: &Toolpath, kept: &[Kept]) -> (Toolpath, Reduction) {
@@ -130,7 +179,11 @@ fn assemble(path: &Toolpath, kept: &[Kept]) -> (Toolpath, Reduction) {
     };
     for (span, kept) in path.spans.iter().zip(kept) {
         let start = reduced.tips.len();
+        let mut arcs = kept.arcs.iter().peekable();
         for &index in &kept.indices {
+            if let Some((_, arc)) = arcs.next_if(|(end, _)| *end == index) {
+                reduced.arcs.push((reduced.tips.len(), *arc));
+            }
             reduced.tips.push(path.tips[span.points.start + index]);
             reduced.contacts.push(path.contacts[span.points.start + index]);
         }
@@ -146,8 +199,8 @@ fn assemble(path: &Toolpath, kept: &[Kept]) -> (Toolpath, Reduction) {
     (reduced, facts)
 }
 
-/// Greatest distances of points left out from the path, in mm.
-#[derive(Default)]
+/// Greatest distances of what is left out from the path, in mm.
+#[derive(Clone, Copy, Debug, Default)]
 struct Deviation {
     distance: f64,
     above: f64,
@@ -155,17 +208,30 @@ struct Deviation {
 }
 
 impl Deviation {
-    fn measure(tips: &[DVec3], kept: &[usize]) -> Self {
+    /// Of the points between the first and the last from the line that joins these.
+    fn of_line(tips: &[DVec3]) -> Self {
         let mut worst = Self::default();
-        for pair in kept.windows(2) {
-            for tip in &tips[pair[0] + 1..pair[1]] {
-                let (aside, above) = offset(tips[pair[0]], tips[pair[1]], *tip);
+        if let [a, between @ .., b] = tips {
+            for tip in between {
+                let (aside, above) = offset(*a, *b, *tip);
+                worst.rise(above);
                 worst.distance = worst.distance.max(aside.hypot(above));
-                worst.above = worst.above.max(above);
-                worst.below = worst.below.max(-above);
             }
         }
         worst
+    }
+
+    /// Takes in a place where the path runs so far above what is left out, or below.
+    fn rise(&mut self, above: f64) {
+        self.distance = self.distance.max(above.abs());
+        self.above = self.above.max(above);
+        self.below = self.below.max(-above);
+    }
+
+    fn widen(&mut self, other: &Self) {
+        self.distance = self.distance.max(other.distance);
+        self.above = self.above.max(other.above);
+        self.below = self.below.max(other.below);
     }
 }
 

@@ -29,6 +29,7 @@ mod tests {
     use super::super::reduce_z_band;
     use super::super::tests::{GO, along_x, path_of, wavy};
     use super::*;
+    use crate::Toolpath;
 
     #[test]
     fn the_last_point_in_the_band_is_the_next_reference() {
@@ -73,16 +74,34 @@ mod tests {
     }
 
     #[test]
+    fn tolerance_0_loses_nothing() {
+        let mut random = fastrand::Rng::with_seed(2);
+        for _ in 0..300 {
+            // Few levels, so that many neighbours are as high.
+            let heights: Vec<f64> =
+                (0..random.usize(3..200)).map(|_| 0.1 * f64::from(random.u8(0..4))).collect();
+            let path = path_of(&[along_x(&heights)]);
+            let (reduced, facts) = reduce_z_band(&path, 0.0, GO).unwrap();
+            assert!(facts.max_deviation_mm < 1e-15);
+            for tip in &path.tips {
+                assert!((height_at(&reduced, tip.x) - tip.z).abs() < 1e-9);
+            }
+        }
+    }
+
+    /// The height of a path along +x.
+    fn height_at(path: &Toolpath, x: f64) -> f64 {
+        let k = path.tips.partition_point(|t| t.x < x).max(1);
+        let (a, b) = (path.tips[k - 1], path.tips[k]);
+        a.z + (b.z - a.z) * (x - a.x) / (b.x - a.x)
+    }
+
+    #[test]
     fn the_deviation_is_the_real_one_and_at_most_twice_the_band() {
         let path = path_of(&[wavy(500)]);
         for tolerance in [0.01, 0.05, 0.2] {
             let (reduced, facts) = reduce_z_band(&path, tolerance, GO).unwrap();
-            let height_at = |x: f64| {
-                let k = reduced.tips.partition_point(|t| t.x < x).max(1);
-                let (a, b) = (reduced.tips[k - 1], reduced.tips[k]);
-                a.z + (b.z - a.z) * (x - a.x) / (b.x - a.x)
-            };
-            let differences = path.tips.iter().map(|t| height_at(t.x) - t.z);
+            let differences = path.tips.iter().map(|t| height_at(&reduced, t.x) - t.z);
             let above = differences.clone().fold(0.0, f64::max);
             let below = differences.fold(0.0, |m: f64, d| m.max(-d));
             assert!((facts.max_above_mm - above).abs() < 1e-12);

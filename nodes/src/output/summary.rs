@@ -152,7 +152,7 @@ fn describe_path(path: &Toolpath, made: &Made<'_>, say: &mut impl FnMut(&str, St
         let time = hours(seconds);
         say("time", format!("{time} at full speed; accelerating takes a machine longer"));
     }
-    let lowest = path.tips.iter().map(|tip| tip.z).fold(f64::INFINITY, f64::min);
+    let (lowest, _) = path.heights_mm();
     if let Some(part) = made.part.filter(|_| lowest.is_finite()) {
         let depth = format!("the tip goes {:.3} mm below the top", part.max.z - lowest);
         let advice = ": in a full block, rough it out first";

@@ -2,10 +2,11 @@
 //!
 //! *Z band* is the rule of Sood 2015, section 4.4: along a pass, points as high as the last one
 //! kept, within the tolerance, go. *Chord* keeps the fewest points such that the straight lines
-//! between them stay within the tolerance of the points that go.
+//! between them stay within the tolerance of the points that go. *Arcs* puts arcs in besides, where the
+//! path lies in a plane that machines turn in: along X, along Y or level.
 
 use carvegraph_core::{Choice, Context, Inputs, Node, NodeError, Outputs, Params};
-use carvegraph_geometry::{Reduction, Toolpath, reduce_chord, reduce_z_band};
+use carvegraph_geometry::{Reduction, Toolpath, fit_arcs, reduce_chord, reduce_z_band};
 
 /// Takes points out of a path that are not needed to follow it. Never across the end of a pass.
 #[derive(Clone, Debug, Params)]
@@ -13,10 +14,10 @@ pub(crate) struct ReduceCl {
     /// Which points go.
     #[param(default = Method::ZBand)]
     pub(crate) method: Method,
-    /// How far a point that goes may lie from where it was: z_band may double it, chord keeps it.
+    /// How far a point that goes may lie from where it was: z_band may double it, chord and arcs keep it.
     #[param(unit = "mm", default = 0.01, range = 0.0..=100.0)]
     pub(crate) tolerance: f64,
-    /// How far chord may run below a point that goes, into the part.
+    /// How far chord and arcs may run below what goes, into the part.
     #[param(unit = "mm", default = 0.0, range = 0.0..=100.0)]
     pub(crate) gouge: f64,
 }
@@ -28,6 +29,8 @@ pub(crate) enum Method {
     ZBand,
     /// Those near the straight line between two that stay.
     Chord,
+    /// Those near the line or the arc between two that stay.
+    Arcs,
     /// None.
     None,
 }
@@ -48,6 +51,7 @@ pub(crate) struct Reduced {
 
 impl Node for ReduceCl {
     const KIND: &'static str = "reduce_cl";
+    const VERSION: u32 = 2;
     type Inputs<'a> = Full<'a>;
     type Outputs = Reduced;
 
@@ -58,6 +62,7 @@ impl Node for ReduceCl {
         let (toolpath, reduction) = cx.completed(match self.method {
             Method::ZBand => reduce_z_band(path, self.tolerance, &tick),
             Method::Chord => reduce_chord(path, self.tolerance, self.gouge, &tick),
+            Method::Arcs => fit_arcs(path, self.tolerance, self.gouge, &tick),
             // A tolerance below 0 leaves every point, and counts them.
             Method::None => reduce_z_band(path, -1.0, &tick),
         })?;
@@ -99,5 +104,14 @@ mod tests {
         assert_eq!(reduce(Method::ZBand, 0.0, &[1.0; 5]).0, [1.0; 2]);
         assert_eq!(reduce(Method::ZBand, 0.0, &RAMP).0, RAMP);
         assert_eq!(reduce(Method::Chord, 0.0, &RAMP).0, [0.0, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn arcs_bend_over_a_round_hill() {
+        let hill: Vec<f64> = (-20..=20).map(|x| (900.0 - f64::from(x * x)).sqrt()).collect();
+        let (heights, reduction) = reduce(Method::Arcs, 0.02, &hill);
+        assert_eq!(heights, [hill[0], hill[40]]);
+        assert!(reduction.max_above_mm <= 0.020_001 && reduction.max_below_mm < 1e-8);
+        assert!(reduce(Method::Chord, 0.02, &hill).0.len() > 20);
     }
 }

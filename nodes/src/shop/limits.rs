@@ -3,16 +3,18 @@
 //! The extent is that of all moves, rapids and the safe height included. A program that cannot be run is
 //! refused; a feed that is too fast is not, since controllers slow a move down to what its slowest axis
 //! can do: of that the user is warned, with the speed that is left. For a move along the unit vector u the
-//! limit of axis i leaves the speed limitᵢ / |uᵢ|.
-//!
-//! Limits: arcs are not looked at; no path has any yet.
+//! limit of axis i leaves the speed limitᵢ / |uᵢ|. An arc reaches as far as it bulges, and has the
+//! directions of chords that stay within [`ARC_TOLERANCE_MM`] of it.
 
 use super::{AXES, Machine, ToolChange, Travel, short};
-use carvegraph_geometry::DVec3;
-use carvegraph_sdk::Command;
+use carvegraph_geometry::{DVec3, PathArc};
+use carvegraph_sdk::{Arc, Command};
 
 /// Less cannot be written in a program: half of its last decimal, in mm.
 const GRAIN_MM: f64 = 0.0005;
+
+/// How close the chords are by which an arc's directions are told, in mm: what a controller's own are.
+const ARC_TOLERANCE_MM: f64 = 0.002;
 
 /// What a program, or an operation of it, asks of a machine.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,9 +46,10 @@ impl Demands {
         Self { min, max, spindle_rpm: None, feed_mm_per_min: 0.0, tool: None }
     }
 
-    /// What these commands ask.
-    pub(crate) fn of(commands: &[Command]) -> Self {
+    /// What these commands ask; their arcs are among `arcs`.
+    pub(crate) fn of(commands: &[Command], arcs: &[Arc]) -> Self {
         let mut demands = Self::reaching(DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut at: Option<DVec3> = None;
         for command in commands {
             match *command {
                 Command::Rapid { to } => demands.reach(to),
@@ -54,10 +57,20 @@ impl Demands {
                     demands.reach(to);
                     demands.feed_mm_per_min = demands.feed_mm_per_min.max(mm_per_min);
                 }
+                Command::Arc { arc } => {
+                    let Some(arc) = arcs.get(arc as usize) else { continue };
+                    if let Some(from) = at {
+                        let around = curve(arc).bounds(from, arc.to.into());
+                        demands.reach(around.min.into());
+                        demands.reach(around.max.into());
+                    }
+                    demands.feed_mm_per_min = demands.feed_mm_per_min.max(arc.mm_per_min);
+                }
                 Command::Spindle { rpm, .. } => demands.spindle_rpm = Some(rpm),
                 Command::ToolChange { number } => demands.tool = Some(number),
                 _ => {}
             }
+            at = end(command, arcs).or(at);
         }
         demands
     }
@@ -66,6 +79,19 @@ impl Demands {
         let to = DVec3::from_array(to);
         (self.min, self.max) = (self.min.min(to), self.max.max(to));
     }
+}
+
+/// Where a move ends.
+fn end(command: &Command, arcs: &[Arc]) -> Option<DVec3> {
+    match *command {
+        Command::Rapid { to } | Command::Feed { to, .. } => Some(to.into()),
+        Command::Arc { arc } => arcs.get(arc as usize).map(|arc| arc.to.into()),
+        _ => None,
+    }
+}
+
+fn curve(arc: &Arc) -> PathArc {
+    PathArc { plane: arc.plane, direction: arc.direction, center: arc.center.into() }
 }
 
 impl Machine {
@@ -138,20 +164,28 @@ impl Machine {
     }
 
     /// The feeds that it cannot reach, in words: which axis, and what is left of the feed.
-    pub(crate) fn slowed(&self, commands: &[Command]) -> Vec<String> {
+    pub(crate) fn slowed(&self, commands: &[Command], arcs: &[Arc]) -> Vec<String> {
         let mut worst: Vec<Slowed> = Vec::new();
         let mut at: Option<DVec3> = None;
         for command in commands {
-            let (to, feed) = match *command {
-                Command::Rapid { to } => (to, None),
-                Command::Feed { to, mm_per_min } => (to, Some(mm_per_min)),
-                _ => continue,
-            };
-            let to = DVec3::from_array(to);
-            if let (Some(feed), Some(from)) = (feed, at) {
-                self.slow(to - from, feed, &mut worst);
+            let to = end(command, arcs);
+            if let Some((from, to)) = at.zip(to) {
+                match *command {
+                    Command::Feed { mm_per_min, .. } => {
+                        self.slow(to - from, mm_per_min, &mut worst)
+                    }
+                    Command::Arc { arc } => {
+                        let arc = &arcs[arc as usize];
+                        let mut from = from;
+                        for to in curve(arc).chords(from, to, ARC_TOLERANCE_MM) {
+                            self.slow(to - from, arc.mm_per_min, &mut worst);
+                            from = to;
+                        }
+                    }
+                    _ => {}
+                }
             }
-            at = Some(to);
+            at = to.or(at);
         }
         worst.iter().map(|slowed| slowed.told(self)).collect()
     }
@@ -206,7 +240,7 @@ impl Slowed {
 mod tests {
     use super::*;
     use crate::shop::{SetBy, SpindleRange};
-    use carvegraph_sdk::Direction;
+    use carvegraph_sdk::{Direction, Plane};
 
     fn job(spindle: f64, tool: Option<u32>) -> Vec<Command> {
         let start = tool.map(|number| Command::ToolChange { number });
@@ -229,7 +263,7 @@ mod tests {
     }
 
     fn violations(machine: &Machine, job: &[Command]) -> Vec<String> {
-        let demands = Demands::of(job);
+        let demands = Demands::of(job, &[]);
         let violations = machine.too_far(&demands).into_iter().chain(machine.not_driven(&demands));
         violations.map(|violation| violation.message).collect()
     }
@@ -308,7 +342,7 @@ mod tests {
     #[test]
     fn nothing_is_asked_of_no_machine() {
         assert!(violations(&Machine::default(), &job(1e6, Some(9))).is_empty());
-        assert!(Machine::default().slowed(&job(1e6, Some(9))).is_empty());
+        assert!(Machine::default().slowed(&job(1e6, Some(9)), &[]).is_empty());
     }
 
     #[test]
@@ -317,7 +351,7 @@ mod tests {
         let machine = Machine { max_feed_mm_per_min: limits, ..machine([1000.0; 3]) };
         // Along (203.2, 100) X does 1345.9 of 1500 mm/min.
         assert_eq!(
-            machine.slowed(&job(9000.0, None)),
+            machine.slowed(&job(9000.0, None), &[]),
             [
                 "machine \"small\": Z feeds at most 300 mm/min, so that 500 mm/min become 300 mm/min in \
                  places",
@@ -326,6 +360,36 @@ mod tests {
             ]
         );
         let fast = Machine { max_feed_mm_per_min: [Some(1500.0); 3], ..machine };
-        assert!(fast.slowed(&job(9000.0, None)).is_empty());
+        assert!(fast.slowed(&job(9000.0, None), &[]).is_empty());
+    }
+
+    #[test]
+    fn an_arc_reaches_as_far_as_it_bulges_and_goes_all_ways() {
+        let arc = Arc {
+            plane: Plane::Zx,
+            direction: Direction::Clockwise,
+            center: [10.0, 0.0, 0.0],
+            to: [20.0, 0.0, 0.0],
+            mm_per_min: 1000.0,
+        };
+        let start = Command::Feed { to: [0.0; 3], mm_per_min: 100.0 };
+        let job = [Command::Rapid { to: [0.0, 0.0, 5.0] }, start, Command::Arc { arc: 0 }];
+        for (direction, low, high) in
+            [(Direction::CounterClockwise, 0.0, 10.0), (Direction::Clockwise, -10.0, 5.0)]
+        {
+            let demands = Demands::of(&job, &[Arc { direction, ..arc }]);
+            assert!((demands.min - DVec3::new(0.0, 0.0, low)).length() < 1e-9, "{demands:?}");
+            assert!((demands.max - DVec3::new(20.0, 0.0, high)).length() < 1e-9, "{demands:?}");
+            assert_eq!(demands.feed_mm_per_min, 1000.0);
+        }
+        let limits = [None, None, Some(300.0)];
+        let slow = Machine { max_feed_mm_per_min: limits, ..machine([1000.0; 3]) };
+        assert_eq!(
+            slow.slowed(&job, &[arc]),
+            [
+                "machine \"small\": Z feeds at most 300 mm/min, so that 1000 mm/min become 300 mm/min in \
+              places"
+            ]
+        );
     }
 }

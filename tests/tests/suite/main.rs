@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a helper that fails fails its test")]
 
+mod arcs;
 mod bench;
 mod cache;
 mod commands;

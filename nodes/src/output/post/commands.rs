@@ -4,8 +4,8 @@ use super::tools::Division;
 use crate::job::Step;
 use crate::shop::{Demands, Machine, Violation};
 use carvegraph_core::{Context, NodeError};
-use carvegraph_geometry::{DVec3, SpanKind, Toolpath};
-use carvegraph_sdk::{Command, Direction};
+use carvegraph_geometry::{DVec3, PathArc, SpanKind, Toolpath};
+use carvegraph_sdk::{Arc, Command, Direction};
 use std::ops::Range;
 
 /// The commands of all steps, in order. The first of a run changes to its tool, if it has a number, and
@@ -15,6 +15,8 @@ pub(super) struct Sequence {
     pub(super) commands: Vec<Command>,
     /// What comments refer to.
     pub(super) texts: Vec<String>,
+    /// What arcs refer to.
+    pub(super) arcs: Vec<Arc>,
     /// The commands of each step.
     of_steps: Vec<Range<usize>>,
 }
@@ -28,7 +30,12 @@ impl Sequence {
         origin: DVec3,
         machine: &Machine,
     ) -> Result<Self, NodeError> {
-        let mut sequence = Self { commands: Vec::new(), texts: Vec::new(), of_steps: Vec::new() };
+        let mut sequence = Self {
+            commands: Vec::new(),
+            texts: Vec::new(),
+            arcs: Vec::new(),
+            of_steps: Vec::new(),
+        };
         for run in &division.runs {
             let mut turning = None;
             for (k, step) in run.steps.clone().zip(&steps[run.steps.clone()]) {
@@ -46,7 +53,7 @@ impl Sequence {
                     sequence.commands.push(Command::Spindle { rpm, direction });
                     turning = Some(rpm);
                 }
-                moves(step, origin, &mut sequence.commands)?;
+                sequence.move_along(step, origin)?;
                 sequence.of_steps.push(start..sequence.commands.len());
             }
         }
@@ -62,6 +69,36 @@ impl Sequence {
         }
     }
 
+    /// The moves of a step's path.
+    fn move_along(&mut self, step: &Step<'_>, origin: DVec3) -> Result<(), NodeError> {
+        step.check_speeds()?;
+        let path: &Toolpath = step.toolpath;
+        let Some(feeds) = path.feeds else { return Ok(()) };
+        self.commands.reserve(path.tips.len());
+        self.arcs.reserve(path.arcs.len());
+        for span in &path.spans {
+            let mm_per_min = match span.kind {
+                SpanKind::Plunge => feeds.plunge_mm_per_min,
+                _ => feeds.cut_mm_per_min,
+            };
+            let mut arcs = path.arcs_within(span).iter().peekable();
+            for index in span.points.clone() {
+                let to = (path.tips[index] - origin).to_array();
+                self.commands.push(match arcs.next_if(|(end, _)| *end == index) {
+                    Some((_, PathArc { plane, direction, center })) => {
+                        let center = (*center - origin).to_array();
+                        let (plane, direction) = (*plane, *direction);
+                        self.arcs.push(Arc { plane, direction, center, to, mm_per_min });
+                        Command::Arc { arc: (self.arcs.len() - 1) as u32 }
+                    }
+                    None if span.kind == SpanKind::Rapid => Command::Rapid { to },
+                    None => Command::Feed { to, mm_per_min },
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// Holds all steps against the machine: refuses what it cannot run, warns of feeds that it slows
     /// down. The work zero is the same for all, so their moves must fit together.
     pub(super) fn check(
@@ -70,13 +107,14 @@ impl Sequence {
         machine: &Machine,
         cx: &Context<'_>,
     ) -> Result<(), NodeError> {
-        let mut violations = machine.too_far(&Demands::of(&self.commands));
+        let mut violations = machine.too_far(&Demands::of(&self.commands, &self.arcs));
         for (k, step) in steps.iter().enumerate() {
-            let own = machine.not_driven(&Demands::of(self.of(k..k + 1)));
+            let own = machine.not_driven(&Demands::of(self.of(k..k + 1), &self.arcs));
             violations.extend(own.into_iter().map(|violation| named(violation, step, k, steps)));
         }
         if violations.is_empty() {
-            machine.slowed(&self.commands).into_iter().for_each(|slowed| cx.warn(slowed));
+            let slowed = machine.slowed(&self.commands, &self.arcs);
+            slowed.into_iter().for_each(|slowed| cx.warn(slowed));
             return Ok(());
         }
         let param = violations.iter().find_map(|violation| violation.param).unwrap_or("setup");
@@ -117,24 +155,4 @@ pub(super) fn note_speeds(steps: &[Step<'_>], machine: &Machine, cx: &Context<'_
             ));
         }
     }
-}
-
-fn moves(step: &Step<'_>, origin: DVec3, commands: &mut Vec<Command>) -> Result<(), NodeError> {
-    step.check_speeds()?;
-    let path: &Toolpath = step.toolpath;
-    let Some(feeds) = path.feeds else { return Ok(()) };
-    commands.reserve(path.tips.len());
-    for span in &path.spans {
-        for tip in &path.tips[span.points.clone()] {
-            let to = (*tip - origin).to_array();
-            commands.push(match span.kind {
-                SpanKind::Rapid => Command::Rapid { to },
-                SpanKind::Plunge => Command::Feed { to, mm_per_min: feeds.plunge_mm_per_min },
-                SpanKind::Pass | SpanKind::Link => {
-                    Command::Feed { to, mm_per_min: feeds.cut_mm_per_min }
-                }
-            });
-        }
-    }
-    Ok(())
 }

@@ -234,7 +234,7 @@ impl Text<'_> {
             }),
             commands,
             texts: &texts,
-            ..Program::default()
+            arcs: &sequence.arcs,
         };
         // About 24 bytes a block.
         let text = Vec::with_capacity(commands.len() * 24);

@@ -18,6 +18,9 @@ use carvegraph_geometry::{HeightField, Toolpath};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
 
+/// Arcs are drawn as chords so close to them, in mm: less than a pixel of a part of some metres.
+const ARC_TOLERANCE_MM: f64 = 0.01;
+
 /// Draws the surface as a carved plaque or, if a path is connected, the path above it.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct Preview {
@@ -49,7 +52,9 @@ impl Node for Preview {
         });
         let tick = |units| ticker.tick(units);
         let picture = match (inputs.surface, inputs.toolpath) {
-            (surface, Some(path)) => path::render_path(surface, path, self.size, &tick),
+            (surface, Some(path)) => {
+                path::render_path(surface, &path.flattened(ARC_TOLERANCE_MM), self.size, &tick)
+            }
             (Some(surface), None) => render::render_surface(surface, self.size, &tick),
             (None, None) => {
                 let message = "there is nothing to draw: connect a surface or a toolpath";
