@@ -1,11 +1,13 @@
 //! What was made, in words.
 
-use crate::check::Estimate;
+use crate::check::{Estimate, Simulated, Verification};
 use crate::job::{Job, described};
 use crate::shop::{NONE, Setup};
 use crate::values::{Gcode, ProgramText, Remark, ToolUse};
 use carvegraph_core::{Context, Inputs, Node, NodeError, OutputName, Params};
-use carvegraph_geometry::{Bounds, Cutter, HeightField, Reduction, SpanKind, Toolpath};
+use carvegraph_geometry::{
+    Bounds, Cutter, Deviation, Extent, HeightField, Load, Reduction, SpanKind, Toolpath,
+};
 use std::io::Write;
 
 /// Writes down what was made: sizes, cutter, path, program, and what to know before running it.
@@ -36,6 +38,12 @@ pub(crate) struct Made<'a> {
     toolpath: Option<&'a Toolpath>,
     /// The program, or one for each tool.
     program: Option<&'a Gcode>,
+    /// What was found by simulating it.
+    simulation: Option<&'a Simulated>,
+    /// How far what it leaves lies from the part.
+    deviation: Option<&'a Deviation>,
+    /// What was verified of it.
+    verification: Option<&'a Verification>,
     /// How long the machine takes for all of it.
     estimate: Option<&'a Estimate>,
 }
@@ -90,6 +98,7 @@ fn summary(title: &str, made: &Made<'_>) -> String {
     if let Some(program) = made.program {
         describe_program(program, &mut say);
     }
+    describe_inspection(made, &mut say);
     let line = |(what, text): (String, String)| match what.as_str() {
         "" => format!("{text}\n"),
         _ => format!("{what:<11}{text}\n"),
@@ -188,6 +197,40 @@ fn hours(seconds: f64) -> String {
     format!("{} h {:02} min", minutes / 60, minutes % 60)
 }
 
+/// What was seen of the program before it was saved.
+fn describe_inspection(made: &Made<'_>, say: &mut impl FnMut(&str, String)) {
+    if let Some(simulation) = made.simulation {
+        simulation.loads.iter().filter_map(describe_load).for_each(|load| say("load", load));
+    }
+    if let Some(Deviation { extent, .. }) = made.deviation.filter(|it| it.extent.nodes > 0) {
+        let Extent { max_gouge_mm, max_excess_mm, p99_excess_mm, .. } = extent;
+        say(
+            "surface",
+            format!(
+                "simulated: at most {max_gouge_mm:.3} mm too deep, {max_excess_mm:.3} mm left \
+                 ({p99_excess_mm:.3} mm or less on 99 %)"
+            ),
+        );
+    }
+    if let Some(verification) = made.verification {
+        let looked_at = verification.looked_at.join("; ");
+        match &verification.faults[..] {
+            [] => say("verified", looked_at),
+            faults => faults.iter().for_each(|fault| say("WRONG", fault.clone())),
+        }
+    }
+}
+
+/// The most that a tool has to bear.
+fn describe_load(load: &Load) -> Option<String> {
+    let (step_down, removal) = (load.step_down?, load.removal?);
+    Some(format!(
+        "the cutter goes {:.2} mm deep into stock at most, and takes up to {:.2} cm3 a minute",
+        step_down.depth_mm,
+        removal.mm3_per_min / 1000.0
+    ))
+}
+
 /// The programs, what each tool is for, and what to do between them: cutters differ in length.
 fn describe_program(code: &Gcode, say: &mut impl FnMut(&str, String)) {
     let size = |lines: usize, bytes: usize| {
@@ -241,6 +284,9 @@ mod tests {
         before: None,
         toolpath: None,
         program: None,
+        simulation: None,
+        deviation: None,
+        verification: None,
         estimate: None,
     };
 
