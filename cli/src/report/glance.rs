@@ -3,6 +3,7 @@
 
 use super::Run;
 use super::words::{clean, fact, short, time};
+use carvegraph_core::graph::GraphNode;
 use carvegraph_core::report::{NodeStatus, PortReport};
 use serde::Serialize;
 use serde_json::Value as Json;
@@ -74,13 +75,25 @@ fn of_type<'a>(run: &'a Run<'_>, name: &'a str) -> impl Iterator<Item = &'a Port
 
 /// What is wired to the first input of a name.
 fn wired_to<'a>(run: &'a Run<'_>, input: &str) -> Option<&'a PortReport> {
+    run.graph.nodes.iter().find_map(|node| wired(run, node, input))
+}
+
+/// What is wired to an input of a node.
+fn wired<'a>(run: &'a Run<'_>, node: &GraphNode, input: &str) -> Option<&'a PortReport> {
+    let mut inputs = run.graph.kind(node).inputs.iter().zip(&node.inputs);
+    let (_, wire) = inputs.find(|(spec, _)| spec.name == input)?;
+    let wire = (*wire)?;
+    let source = &run.graph.nodes[wire.node];
+    let port = run.graph.kind(source).outputs.get(wire.port)?.name;
+    run.report.nodes.get(&source.id)?.outputs.get(port)
+}
+
+/// What becomes the program: the path, and the job that goes before it, if any.
+fn posted<'a>(run: &'a Run<'_>) -> Option<(&'a PortReport, Option<&'a PortReport>)> {
     run.graph.nodes.iter().find_map(|node| {
-        let mut inputs = run.graph.kind(node).inputs.iter().zip(&node.inputs);
-        let (_, wire) = inputs.find(|(spec, wire)| spec.name == input && wire.is_some())?;
-        let wire = (*wire)?;
-        let source = &run.graph.nodes[wire.node];
-        let port = run.graph.kind(source).outputs.get(wire.port)?.name;
-        run.report.nodes.get(&source.id)?.outputs.get(port)
+        let makes_gcode = run.graph.kind(node).outputs.iter().any(|port| port.name == "program");
+        let path = wired(run, node, "toolpath").filter(|_| makes_gcode)?;
+        Some((path, wired(run, node, "before")))
     })
 }
 
@@ -135,15 +148,17 @@ fn machining_time(run: &Run<'_>) -> Option<String> {
         Some(format!("{} {machine}", time(number(port, "time_s")?)))
     });
     told.or_else(|| {
-        let seconds = of_type(run, "toolpath").filter_map(|port| number(port, "time_s")).last()?;
-        let time = time(seconds);
+        let (path, before) = posted(run)?;
+        let before_s = before.map_or(Some(0.0), |job| number(job, "time_s"))?;
+        let time = time(number(path, "time_s")? + before_s);
         Some(format!("{time} at full speed; gathering and losing speed takes a machine longer"))
     })
 }
 
+/// Of a job the estimate alone knows it.
 fn length(run: &Run<'_>) -> Option<String> {
-    let linked = of_type(run, "toolpath").filter(|port| number(port, "time_s").is_some());
-    let port = of_type(run, "estimate").last().or(linked.last())?;
+    let alone = || posted(run).filter(|(_, before)| before.is_none()).map(|(path, _)| path);
+    let port = of_type(run, "estimate").last().or_else(alone)?;
     let metres = |name| Some(short(number(port, name)? / 1000.0));
     Some(format!("{} m fed, {} m rapid", metres("feed_length_mm")?, metres("rapid_length_mm")?))
 }

@@ -2,9 +2,9 @@
 //!
 //! The kernel plans as GRBL does (`geometry/src/time`). What the machine's profile does not say is taken
 //! from GRBL 1.1's `defaults.h`: of the belt-driven routers in it a Shapeoko 2 gathers 250 mm/s², a Shapeoko 3
-//! 400, an X-Carve 500; 300 is on the careful side of their middle. The generic profile there (10 mm/s²) is meant
-//! to be safe on anything and is slower than what anybody leaves it at; its junction deviation of 0.01 mm is what
-//! boards are shipped with.
+//! 400, an X-Carve 500; 300 is on the careful side of their middle. The generic profile there (10 mm/s²) is
+//! meant to be safe on anything and is slower than what anybody leaves it at; its junction deviation of
+//! 0.01 mm is what boards are shipped with.
 //!
 //! Limits: the moves that a machine makes of its own to change a tool are within `tool_change`, and so is
 //! spinning up. Homing and touching off are not counted.

@@ -142,6 +142,22 @@ fn a_run_that_failed_has_a_page_that_says_so_first() {
 }
 
 #[test]
+fn the_time_of_a_job_is_that_of_all_its_tools() {
+    let bench = Bench::new();
+    let (status, page) = page(&bench, "two_tool_relief", &["--report", "report.json"]);
+    assert_eq!(status, 0);
+    assert!(
+        page.contains("<dt>Cutter</dt><dd>flat, ") && page.contains("<dt>Cutter</dt><dd>ball, ")
+    );
+    let report = bench.report();
+    let before_s = report.number("rough", "job", "time_s");
+    let minutes = ((report.number("link", "toolpath", "time_s") + before_s) / 60.0).ceil();
+    assert!(before_s > 10.0, "{before_s}");
+    let told = format!("<dt>Machining time</dt><dd>{minutes} min at full speed; ");
+    assert!(page.contains(&told), "{told}: {page}");
+}
+
+#[test]
 fn a_page_is_written_unless_it_is_not_wanted_or_nothing_else_is() {
     let bench = Bench::new();
     bench.hills("hills.png", (24, 20));
