@@ -101,8 +101,9 @@ fn an_arc_that_bulges_between_two_points_is_seen() {
     let valley: Vec<_> = hill.iter().map(|tip| tip.with_z(-tip.z)).collect();
     let sagitta = 1.0 - 20_f64.to_radians().cos();
     for (tips, gouge) in [(hill, 0.0), (valley, 1.4 * sagitta)] {
-        let fit =
-            |tolerance: f64| fit_arcs(&path_of(&[tips.clone()]), tolerance, gouge, GO).unwrap();
+        let fit = |tolerance: f64| {
+            fit_arcs(&path_of(std::slice::from_ref(&tips)), tolerance, gouge, GO).unwrap()
+        };
         assert!(fit(0.4 * sagitta).0.arcs.is_empty());
         assert_eq!(fit(1.4 * sagitta).0.arcs.len(), 1);
     }
@@ -131,7 +132,7 @@ fn a_finely_sampled_quarter_is_one_arc_of_its_radius() {
                 tip
             })
             .collect();
-        let path = path_of(&[tips.clone()]);
+        let path = path_of(std::slice::from_ref(&tips));
         let (reduced, facts) = fit_arcs(&path, 0.001, 0.001, GO).unwrap();
         assert_eq!((reduced.tips.len(), facts.points_out), (2, 2), "{plane:?} {from}");
         let (end, arc) = reduced.arcs[0];

@@ -12,7 +12,7 @@ use carvegraph_geometry::{
 };
 use carvegraph_sdk::conformance::dialect::Job;
 use carvegraph_sdk::{Arc, Units};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Dialects whose words the interpreter knows all.
 const READABLE: [&str; 5] = ["fluidnc", "grbl", "iso6983", "linuxcnc", "mach3"];
@@ -190,11 +190,13 @@ fn row_of(tip: DVec3) -> i64 {
     (tip.y / STEP_MM).round() as i64
 }
 
+/// Without the points between two passes, which have rows of their own.
 fn towards_x(mut rows: Rows) -> Rows {
     for row in rows.values_mut() {
         row.sort_by(|a, b| a.x.total_cmp(&b.x));
         row.dedup_by(|a, b| a.x == b.x);
     }
+    rows.retain(|_, row| row.len() > 1);
     rows
 }
 
@@ -233,8 +235,8 @@ fn assert_followed(settings: &[&str]) {
     let (bench, report, name) = carve("arcs");
     let text = bench.text(&name);
     let with_arcs = text.lines().count();
-    println!("{settings:?}: {lines:?} lines, {with_arcs} with arcs");
-    assert!(lines[0] > lines[1] && lines[1] > lines[2] && 10 * lines[2] > 15 * with_arcs);
+    let fewer = lines[0] > lines[1] && lines[1] > lines[2] && 10 * lines[2] > 15 * with_arcs;
+    assert!(fewer, "{settings:?}: {lines:?} lines, {with_arcs} with arcs");
     assert!(report.number("reduce", "reduction", "max_below_mm") <= 1e-9);
 
     let Some(read_back) = interpret(&bench, &name, TOOLS) else { return };
@@ -294,6 +296,35 @@ fn arcs_become_lines_where_a_machine_takes_none() {
     let (with, without) = (carve("post.arcs=true"), carve("post.arcs=false"));
     assert!(arcs(&with) > 100 && arcs(&without) == 0);
     assert!(read(&without).moves.len() > with.lines().count());
+}
+
+#[test]
+fn each_program_of_a_job_has_its_own_arcs() {
+    let carve = |reduce: &str| {
+        let bench = Bench::new();
+        bench.hills("hills.png", (50, 40));
+        let settings = ["rest_finish", "--set", "image=hills.png", "--set", reduce];
+        bench.run(&[&settings[..], &["--set", "canvas_width=30"]].concat());
+        bench
+    };
+    let (full, reduced) = (carve("reduce=none"), carve("reduce=arcs"));
+    let programs = reduced.files("out").into_keys().filter(|name| name.ends_with(".nc"));
+    let programs: Vec<String> = programs.map(|name| format!("out/{name}")).collect();
+    assert!(programs.len() > 1, "{programs:?}");
+    let mut with_arcs = 0;
+    for name in programs {
+        let grid = |tip: DVec3| (tip / STEP_MM).round().to_array().map(|c| c as i64);
+        let meant = read(&full.text(&name)).moves.into_iter();
+        let meant = meant.filter(|made| made.motion == crate::gcode::Motion::Feed);
+        let meant: BTreeSet<_> = meant.map(|m| grid(DVec3::from_array(m.point()))).collect();
+        let Some(read_back) = interpret(&reduced, &name, TOOLS) else { return };
+        let motion = canonical(&read_back);
+        with_arcs += usize::from(!motion.arcs.is_empty());
+        for made in motion.moves.iter().filter(|made| made.kind != MoveKind::Rapid) {
+            assert!(meant.contains(&grid(made.to)), "{name}: {}", made.to);
+        }
+    }
+    assert!(with_arcs > 1);
 }
 
 #[track_caller]
