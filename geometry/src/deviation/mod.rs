@@ -14,6 +14,9 @@
 //! # Limits
 //! * Of a mesh the triangles that face up or stand upright count, whether a cutter can see them or not; those
 //!   that face down do not. Which way is up is told by most of the mesh, see [`on_mesh`].
+//! * Where the top of a mesh ends, the part goes straight down from there: so a cutter that grazes the rim
+//!   of a sheet is not as deep in it as the sheet is high. Cracks in a mesh are such ends too, and a gouge
+//!   beside one is no deeper than it is far from it.
 //! * Nodes over nothing (beyond the target, over holes) do not count.
 
 mod closest;
@@ -200,16 +203,7 @@ fn extent_of(distances: &[f32], machined: &HeightField, corner: DVec2) -> Extent
     let highest = all().reduce_with(|a, b| if b.1 > a.1 { b } else { a });
     let lowest = all().reduce_with(|a, b| if b.1 < a.1 { b } else { a });
     let (Some(highest), Some(lowest)) = (highest, lowest) else {
-        return Extent {
-            nodes: 0,
-            max_gouge_mm: 0.0,
-            gouge_at: DVec3::ZERO,
-            max_excess_mm: 0.0,
-            excess_at: DVec3::ZERO,
-            p99_excess_mm: 0.0,
-            p99_gouge_mm: 0.0,
-            mean_mm: 0.0,
-        };
+        return Extent::default();
     };
     let mut sorted: Vec<f32> = distances.iter().copied().filter(|v| !v.is_nan()).collect();
     let nodes = sorted.len();

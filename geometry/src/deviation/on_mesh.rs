@@ -50,8 +50,11 @@ impl OnMesh {
             return Err(DeviationError::BadTriangle { triangle });
         }
         let bounds = mesh.bounds().ok_or(DeviationError::NoTop)?;
-        let mut triangles = facing_up(mesh, bounds);
-        if triangles.is_empty() || u32::try_from(triangles.len()).is_err() {
+        let up = facing_up(mesh, bounds);
+        let mut triangles: Vec<[DVec3; 3]> = up.iter().map(|t| mesh.corners(*t as usize)).collect();
+        let bottom_mm = bounds.min.z.min(machined.bounds().min.z);
+        triangles.extend(curtains(mesh, &up, bottom_mm));
+        if up.is_empty() || u32::try_from(triangles.len()).is_err() {
             return Err(DeviationError::NoTop);
         }
         let mut branches = Vec::with_capacity(triangles.len());
@@ -90,8 +93,44 @@ impl OnMesh {
     }
 }
 
+/// Upright triangles under the edges at which the top ends: rims of open meshes and lips that hang over. A
+/// cutter that grazes one is as deep in the part as it is behind its edge, however far the top lies above.
+fn curtains(mesh: &Mesh, up: &[u32], bottom_mm: f64) -> Vec<[DVec3; 3]> {
+    let same = first_of_equals(&mesh.vertices);
+    let edge = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|v| same[v as usize]);
+        u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+    };
+    let edges_of = |t: &u32| {
+        let [a, b, c] = mesh.triangles[*t as usize];
+        [edge(a, b), edge(b, c), edge(c, a)]
+    };
+    let mut edges: Vec<u64> = up.par_iter().flat_map_iter(edges_of).collect();
+    edges.par_sort_unstable();
+    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    let curtain = |same: &[u64]| {
+        let [a, b] =
+            [same[0] >> 32, same[0] & u64::from(u32::MAX)].map(|v| mesh.vertices[v as usize]);
+        let [under_a, under_b] = [a, b].map(|corner| corner.with_z(bottom_mm));
+        [[a, b, under_b], [a, under_b, under_a]]
+    };
+    alone.flat_map(curtain).collect()
+}
+
+/// For each vertex one that stands at the same place: corners of triangles that touch need not be shared.
+fn first_of_equals(vertices: &[DVec3]) -> Vec<u32> {
+    let place = |v: &u32| vertices[*v as usize].to_array().map(|c| (c + 0.0).to_bits());
+    let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
+    order.par_sort_unstable_by_key(place);
+    let mut same = vec![0; vertices.len()];
+    for equal in order.chunk_by(|a, b| place(a) == place(b)) {
+        equal.iter().for_each(|v| same[*v as usize] = equal[0]);
+    }
+    same
+}
+
 /// The triangles that do not face down.
-fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<[DVec3; 3]> {
+fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<u32> {
     let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
     let corners = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
     // Twice the volume between the triangles and the lowest of all places, and the area seen from above.
@@ -103,12 +142,12 @@ fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<[DVec3; 3]> {
     }
     let turned = if volume == 0.0 { area < 0.0 } else { volume < 0.0 };
     let sign = if turned { -1.0 } else { 1.0 };
-    corners()
-        .filter(|corners| {
-            let normal = normal(*corners);
-            sign * normal.z >= -UPRIGHT * normal.length()
-        })
-        .collect()
+    let faces_up = |corners: [DVec3; 3]| {
+        let normal = normal(corners);
+        sign * normal.z >= -UPRIGHT * normal.length()
+    };
+    let all = u32::try_from(mesh.triangles.len()).unwrap_or(u32::MAX);
+    (0..all).filter(|t| faces_up(mesh.corners(*t as usize))).collect()
 }
 
 /// Puts triangles in the order of the tree and adds its branches; `first` is the number of the first.

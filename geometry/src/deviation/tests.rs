@@ -83,8 +83,33 @@ fn distances_from_a_mesh_are_those_of_trying_every_triangle_that_faces_up() {
         }
         let machined = rough(&mut random, 30, 21, 0.23, steep * 1.5);
         let found = deviation(&machined, DVec2::ZERO, Target::Mesh(&mesh(&all)), 0.0, GO).unwrap();
-        check(&found, &machined, &top, 0.0);
+        let bottom = target.bounds().min.z - 0.3;
+        let walls: Vec<[DVec3; 3]> = top.iter().copied().chain(rim(&target, bottom)).collect();
+        check(&found, &machined, &walls, 0.0);
     }
+}
+
+/// The four walls around a field, down to a height.
+fn rim(field: &HeightField, bottom: f64) -> Vec<[DVec3; 3]> {
+    let (right, far) = (field.columns() - 1, field.rows() - 1);
+    let along_x = (0..right).flat_map(|i| [[(i, 0), (i + 1, 0)], [(i, far), (i + 1, far)]]);
+    let along_y = (0..far).flat_map(|j| [[(0, j), (0, j + 1)], [(right, j), (right, j + 1)]]);
+    let wall = |ends: [(usize, usize); 2]| {
+        let [a, b] = ends.map(|(i, j)| field.point(i, j));
+        [[a, b, b.with_z(bottom)], [a, b.with_z(bottom), a.with_z(bottom)]]
+    };
+    along_x.chain(along_y).flat_map(wall).collect()
+}
+
+/// A cutter that grazes the rim of an open sheet is as deep in it as it is behind the rim.
+#[test]
+fn a_sheet_goes_straight_down_where_it_ends() {
+    let sheet = HeightField::new(11, 11, 1.0, vec![20.0; 121]).unwrap();
+    let target = mesh(&triangles(&sheet, DVec2::splat(0.01)));
+    let heights = (0..121).map(|k| if k % 11 == 10 { 0.0 } else { 20.0 }).collect();
+    let machined = HeightField::new(11, 11, 1.0, heights).unwrap();
+    let found = deviation(&machined, DVec2::ZERO, Target::Mesh(&target), 0.0, GO).unwrap();
+    assert!((found.extent.max_gouge_mm - 0.01).abs() < 1e-6, "{:?}", found.extent);
 }
 
 /// Holds distances against every triangle; those less than `first_order` × [`FIRST_ORDER_MM`] straight up may

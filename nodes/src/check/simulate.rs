@@ -10,9 +10,10 @@ use carvegraph_geometry::{
 };
 use serde::{Deserialize, Serialize};
 
-/// What comes of a resolution of 0: the radius of the finest cutter over this. A ball that goes d mm too
-/// deep leaves a dimple of √(2 d R) around, which for 0.05 mm and a radius of 3 mm is nearly four nodes wide.
-const NODES_A_RADIUS: f64 = 20.0;
+/// What comes of a resolution of 0: the radius of the finest cutter over this. A ball that goes d too deep
+/// leaves a dimple of radius √(2 d R): of 0.55 mm for 0.05 mm and a radius of 3 mm. A node is at most 0.14 mm
+/// from its middle then, where it is 0.047 mm deep.
+const NODES_A_RADIUS: f64 = 15.0;
 
 /// Nodes that are chosen at most by themselves; 2000 × 2000 take a second or less.
 const CHOSEN_NODES: f64 = 4e6;
@@ -179,7 +180,7 @@ mod tests {
     fn the_resolution_follows_the_cutter_within_limits() {
         assert_eq!(
             simulated(&Simulate { resolution: 0.0, top: 0.0 }).unwrap().simulation.resolution_mm,
-            0.1
+            2.0 / 15.0
         );
         let fault = simulated(&Simulate { resolution: 1e-4, top: 0.0 }).map(|_| ()).unwrap_err();
         assert!(fault.to_string().contains("nodes of a part of 10.0 x 8.0 mm"), "{fault}");

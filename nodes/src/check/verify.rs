@@ -22,7 +22,7 @@ const NAMED: usize = 12;
 #[derive(Clone, Debug, Params)]
 pub(crate) struct Verify {
     /// How deep it may cut into the part, along the normal.
-    #[param(unit = "mm", default = 0.05, range = 0.0..=1000.0)]
+    #[param(unit = "mm", default = 0.1, range = 0.0..=1000.0)]
     pub(crate) gouge: f64,
     /// How much it may leave on the part, along the normal. What no cutter reaches counts too: give it where
     /// all of the part can be reached.
@@ -257,7 +257,7 @@ mod tests {
     use crate::testing::run;
 
     const NODE: Verify =
-        Verify { gouge: 0.05, excess: 1000.0, departure: 0.02, on_fault: OnFault::Fail };
+        Verify { gouge: 0.1, excess: 1000.0, departure: 0.02, on_fault: OnFault::Fail };
 
     /// What a post makes of `path(1.0)`.
     const GOOD: &str = "G21 G90\nM3 S9000\nG0 Z5\nX0 Y0\nG1 Z-1 F300\nX10 F1000\nG0 Z5\nM5\nM30\n";
