@@ -1,5 +1,5 @@
-//! Simulation of whole jobs on a relief of 203 × 203 mm: a finishing raster, the same reduced, and every
-//! cutter. Words on the command line choose jobs.
+//! Simulation of whole jobs on a relief of 203 × 203 mm, a finishing raster and the same reduced, with every
+//! cutter; and the deviation of what is left from the relief. Words on the command line choose jobs.
 
 #![allow(clippy::print_stdout, reason = "the figures are what this program is for")]
 
@@ -7,7 +7,8 @@ mod measure;
 
 use carvegraph_geometry::{
     Against, Bounds, Cut, DVec2, DVec3, DropCutter, FieldGrid, HeightField, Motion, Move, MoveKind,
-    Profile, Raster, RasterStyle, Stock, Surface, Toolpath, reduce_chord, simulate,
+    Profile, Raster, RasterStyle, Stock, Surface, Target, Toolpath, deviation, reduce_chord,
+    simulate,
 };
 
 /// Side of the relief in mm.
@@ -74,6 +75,17 @@ fn main() {
             measure::job(&pools, &name, motion.moves.len(), || {
                 simulate(&stock, &cuts, &|_| true).expect("the moves are sound")
             });
+            let made = simulate(&stock, &cuts, &|_| true).expect("the moves are sound");
+            let target = Target::Field(&field, DVec2::ZERO);
+            measure::job(
+                &pools,
+                &format!("  deviation of {name}"),
+                made.surface.heights().len(),
+                || {
+                    deviation(&made.surface, DVec2::ZERO, target, 0.0, &|_| true)
+                        .expect("it is sound")
+                },
+            );
         }
     }
 }

@@ -11,6 +11,9 @@ use rayon::prelude::*;
 /// Cells along a side of a lowest block.
 const CELLS: usize = 4;
 
+/// So many cells are looked at sooner than the way down the pyramid is gone.
+const FEW_CELLS: usize = 9;
+
 /// A level of the pyramid.
 struct Level {
     columns: usize,
@@ -60,6 +63,23 @@ impl<'a> OnField<'a> {
                 *best = (found, cell);
             }
         }
+    }
+
+    /// Looks at all cells that are not beyond the best in plan, if they are few.
+    fn look_around(&self, point: DVec3, best: &mut (f64, [usize; 2])) -> bool {
+        let (reach, pitch) = (best.0.sqrt(), self.field.pitch_mm());
+        let range = |v: f64, nodes: usize| {
+            let cell = |v: f64| (v / pitch).floor().clamp(0.0, (nodes - 2) as f64) as usize;
+            cell(v - reach)..=cell(v + reach)
+        };
+        let (columns, rows) =
+            (range(point.x, self.field.columns()), range(point.y, self.field.rows()));
+        let cells = (columns.end() - columns.start() + 1) * (rows.end() - rows.start() + 1);
+        if cells > FEW_CELLS {
+            return false;
+        }
+        rows.for_each(|j| columns.clone().for_each(|i| self.look([i, j], point, best)));
+        true
     }
 
     /// The squared distance of a block.
@@ -168,6 +188,10 @@ impl Ground for OnField<'_> {
         let mut best = (within2, hint.unwrap_or_default());
         if let Some(cell) = *hint {
             self.look(cell, point, &mut best);
+        }
+        if self.look_around(point, &mut best) {
+            *hint = Some(best.1);
+            return best.0;
         }
         let top = self.levels.len() - 1;
         if self.block2(&self.levels[top], [0, 0], point) < best.0 {

@@ -49,6 +49,17 @@ impl Sweep for Ball {
         t.simd_gt(f32x8::ZERO).bitselect(reach2, f32x8::ZERO)
     }
 
+    fn end_counts_beyond(&self, lead: f32x8) -> f64 {
+        self.radius_mm * f64::from(lead.to_array()[0].abs())
+    }
+
+    #[inline(always)]
+    fn stamp(&self, z: f32x8, r2: f32x8, now: f32x8) -> f32x8 {
+        let inside = self.radius2 - r2;
+        let left = z + (self.radius - inside.fast_max(f32x8::ZERO).sqrt());
+        inside.simd_ge(f32x8::ZERO).bitselect(left.fast_min(now), now)
+    }
+
     #[inline(always)]
     fn leave(&self, lead: f32x8, seen: &Seen, s: f32x8, d: f32x8, now: f32x8) -> f32x8 {
         let rho2 = self.radius2 - d * d;

@@ -1,53 +1,27 @@
 //! Any profile, swept: the drop cutter's kernels on the stroke upside down, node by node.
 
+use super::reach::Reach;
 use super::sweep::{Seen, Sweep};
 use crate::Profile;
 use crate::drop_cutter::Swept;
 use wide::f32x8;
 
-/// Enough that a bin is far smaller than the rises that matter near the tip.
-const BINS: usize = 256;
-
-/// Raises what the table says, for the rounding of the lookup.
-const ROUND_UP: f64 = 1.0 + 1e-5;
-
 /// A cutter of any shape.
 pub(super) struct General {
     shape: Swept,
     radius_mm: f64,
-    /// 1 / h(R), or 0 where h(R) is.
-    per_height: f32,
-    /// Squared distance reached by all rises of a bin, in mm²; bin k begins at h(R)·(k / BINS)².
-    reach2: Vec<f32>,
+    reach: Reach,
 }
 
 impl General {
     /// Of a profile.
     pub(super) fn new(profile: &Profile) -> Self {
-        let radius_mm = profile.radius_mm();
-        let full = profile.height(radius_mm);
-        let reached = |k: usize| {
-            let rise = full * ((k + 1) as f64 / BINS as f64).powi(2) * ROUND_UP;
-            greatest_radius(profile, rise).powi(2) * ROUND_UP
-        };
-        let per_height = if full > 0.0 { (1.0 / full) as f32 } else { 0.0 };
-        let reach2 = (0..BINS).map(|k| reached(k) as f32).collect();
-        Self { shape: Swept::new(profile), radius_mm, per_height, reach2 }
+        Self {
+            shape: Swept::new(profile),
+            radius_mm: profile.radius_mm(),
+            reach: Reach::new(profile),
+        }
     }
-}
-
-/// The greatest r in mm with h(r) ≤ `rise`, rounded up.
-fn greatest_radius(profile: &Profile, rise: f64) -> f64 {
-    let (mut low, mut high) = (0.0, profile.radius_mm());
-    if profile.height(high) <= rise {
-        return high;
-    }
-    // 60 halvings go from R to the last bit of it.
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        if profile.height(middle) <= rise { low = middle } else { high = middle }
-    }
-    high
 }
 
 impl Sweep for General {
@@ -61,11 +35,7 @@ impl Sweep for General {
 
     #[inline]
     fn reach2(&self, rise: f32x8) -> f32x8 {
-        let share = (rise * f32x8::splat(self.per_height)).fast_max(f32x8::ZERO).sqrt();
-        let bins = (share * f32x8::splat(BINS as f32)).to_array();
-        let all = (self.radius_mm * self.radius_mm * ROUND_UP) as f32;
-        let reach = |bin: f32| self.reach2.get(bin as usize).copied().unwrap_or(all);
-        rise.simd_gt(f32x8::ZERO).bitselect(f32x8::from(bins.map(reach)), f32x8::ZERO)
+        self.reach.reach2(rise)
     }
 
     fn leave(&self, (): (), seen: &Seen, s: f32x8, d: f32x8, now: f32x8) -> f32x8 {

@@ -8,8 +8,9 @@
 //! ```
 //!
 //! h the cutter's [`Profile`]. That is the drop cutter upside down, so a stroke is swept exactly, not
-//! stamped: what a ball leaves is a cylinder and two spheres ([`ball`]), a flat end mill a ramp ([`flat`]),
-//! any other cutter what the drop cutter's kernels say of the stroke with its sign turned ([`general`]).
+//! stamped: what a ball leaves is a cylinder and two spheres ([`ball`]), a flat end mill a ramp ([`flat`]), a
+//! convex cutter the lowest of a convex function ([`convex`]), any other what the drop cutter's kernels say
+//! of the stroke with its sign turned ([`general`]).
 //!
 //! # Method
 //! 1. Moves become straight strokes ([`stroke`]).
@@ -31,9 +32,11 @@
 
 mod ball;
 mod bins;
+mod convex;
 mod flat;
 mod general;
 mod load;
+mod reach;
 mod stroke;
 mod sweep;
 mod tile;
@@ -47,6 +50,7 @@ use crate::drop_cutter::ShapeKind;
 use crate::{FieldGrid, HeightField, HeightFieldError, Motion, Profile, Tick};
 use ball::Ball;
 use bins::Bins;
+use convex::Convex;
 use flat::Flat;
 use general::General;
 use glam::{DVec2, DVec3};
@@ -172,7 +176,10 @@ pub fn simulate(stock: &Stock, cuts: &[Cut<'_>], tick: Tick) -> Result<Simulatio
             ShapeKind::Flat => {
                 tiles.cut(motion, &Flat::new(profile.radius_mm()), &mut found, tick)?;
             }
-            ShapeKind::General => tiles.cut(motion, &General::new(profile), &mut found, tick)?,
+            ShapeKind::General => match Convex::new(profile) {
+                Some(convex) => tiles.cut(motion, &convex, &mut found, tick)?,
+                None => tiles.cut(motion, &General::new(profile), &mut found, tick)?,
+            },
         }
         rapids.extend(found.rapids().map(|(index, depth_mm, at)| RapidCut {
             cut,

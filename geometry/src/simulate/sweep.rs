@@ -49,6 +49,18 @@ pub(super) trait Sweep: Sync {
     /// some heights; not more than a little too great, never too small.
     fn reach2(&self, rise: f32x8) -> f32x8;
 
+    /// How far beyond an end of the stroke, in mm along it, that end alone counts, for [`Self::stamp`];
+    /// infinite if the cutter knows no stamp.
+    fn end_counts_beyond(&self, _: Self::Lead) -> f64 {
+        f64::INFINITY
+    }
+
+    /// What a tip at a height leaves of the heights `now` of nodes at squared distances `r2` from it.
+    #[inline(always)]
+    fn stamp(&self, _z: f32x8, _r2: f32x8, now: f32x8) -> f32x8 {
+        now
+    }
+
     /// What is left of the heights `now` of nodes.
     fn leave(&self, lead: Self::Lead, seen: &Seen, s: f32x8, d: f32x8, now: f32x8) -> f32x8;
 }

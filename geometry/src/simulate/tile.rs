@@ -233,7 +233,7 @@ struct Chip {
     top: f32,
     /// Sum of the depths that nodes were lowered by.
     removed: f32,
-    /// What counts most at each column and row, see [`Work::shave_block`].
+    /// What counts most in each column, and of each node, see [`Rows::sweep`].
     most: f32x8,
     each: [f32x8; LANES],
 }
@@ -296,29 +296,60 @@ impl<S: Sweep> Work<'_, S> {
     /// Lowers the nodes of a block; the sum of what they were lowered by, in mm.
     #[inline]
     fn shave_block(&mut self, stroke: &Stroke, lead: S::Lead, [column, row]: [usize; 2]) -> f64 {
-        let pitch = self.frame.pitch;
-        let first = DVec2::new(column as f64, row as f64) * (LANES as f64 * pitch);
+        let (way, reach) = (stroke.way * self.frame.pitch, (LANES - 1) as f64);
+        let first = DVec2::new(column as f64, row as f64) * (LANES as f64 * self.frame.pitch);
         let seen = self.place + first - stroke.from;
         let (s, d) = (stroke.way.dot(seen), stroke.way.perp_dot(seen));
+        // First and last s of the block.
+        let low = s + reach * (way.x.min(0.0) + way.y.min(0.0));
+        let high = s + reach * (way.x.max(0.0) + way.y.max(0.0));
+        let beyond = self.cutter.end_counts_beyond(lead);
+        let stamps = high < -beyond || low > stroke.length + beyond;
         // The place from which the stroke is told: near the block's middle, so that numbers are small.
-        let half = (LANES - 1) as f64 / 2.0 * pitch;
-        let near = (s + half * (stroke.way.x + stroke.way.y)).clamp(0.0, stroke.length);
+        let near = ((low + high) / 2.0).clamp(0.0, stroke.length);
         let splat = |v: f64| f32x8::splat(v as f32);
         let told = Seen {
             ends: [-near, stroke.length - near].map(splat),
             z: splat(stroke.z + stroke.slope * near),
             slope: splat(stroke.slope),
         };
-        let way = stroke.way * pitch;
-        let from = [splat(s - near) + lanes() * splat(way.x), splat(d) - lanes() * splat(way.y)];
-        let step = [splat(way.y), splat(way.x)];
-        let at = (row * LANES + column) * LANES;
-        let rows: &mut [f32x8; LANES] =
-            (&mut self.tile.heights[at..at + LANES]).try_into().expect("a block has eight rows");
-        let Some(chip) = sweep_block(self.cutter, lead, &told, [from, step], stroke.rapid, rows)
-        else {
-            return 0.0;
+        let rows = Rows {
+            s: splat(s - near) + lanes() * splat(way.x),
+            d: splat(d) - lanes() * splat(way.y),
+            step_s: splat(way.y),
+            step_d: splat(way.x),
         };
+        let at = (row * LANES + column) * LANES;
+        let heights: &mut [f32x8; LANES] =
+            (&mut self.tile.heights[at..at + LANES]).try_into().expect("a block has eight rows");
+        // No place of the block is deeper below its top than the stroke's lower end.
+        let lowest = stroke.z.min(stroke.z + stroke.slope * stroke.length);
+        let depth = self.tile.tops[row].as_array()[column] - lowest as f32;
+        let counts = stroke.rapid || self.shaved.wants(stroke, depth * (1.0 + f32::EPSILON));
+        let chip = match (stamps, counts) {
+            _ if stroke.rapid => rows.sweep(heights, &told, deep_of_rapid, |s, d, now| {
+                self.cutter.leave(lead, &told, s, d, now)
+            }),
+            (false, true) => rows.sweep(heights, &told, deep_of_feed, |s, d, now| {
+                self.cutter.leave(lead, &told, s, d, now)
+            }),
+            (false, false) => rows.sweep(
+                heights,
+                &told,
+                |_, _, _, _| f32x8::ZERO,
+                |s, d, now| self.cutter.leave(lead, &told, s, d, now),
+            ),
+            (true, true) => rows.sweep(heights, &told, deep_of_feed, |s, d, now| {
+                self.cutter.stamp(told.z, s * s + d * d, now)
+            }),
+            (true, false) => rows.sweep(
+                heights,
+                &told,
+                |_, _, _, _| f32x8::ZERO,
+                |s, d, now| self.cutter.stamp(told.z, s * s + d * d, now),
+            ),
+        };
+        let Some(chip) = chip else { return 0.0 };
         set_lane(&mut self.tile.tops[row], column, chip.top);
         let most = chip.most.to_array().into_iter().fold(0.0, f32::max);
         if self.shaved.wants(stroke, most) {
@@ -334,34 +365,56 @@ impl<S: Sweep> Work<'_, S> {
     }
 }
 
-/// Sweeps the rows of a block; `None` if nothing is taken away. What counts of a node is the height of the
-/// stock above the tip if it was cut, of rapids how much it was lowered.
-#[inline]
-fn sweep_block<S: Sweep>(
-    cutter: &S,
-    lead: S::Lead,
-    seen: &Seen,
-    [[mut s, mut d], [step_s, step_d]]: [[f32x8; 2]; 2],
-    rapid: bool,
-    rows: &mut [f32x8; LANES],
-) -> Option<Chip> {
-    let mut top = f32x8::splat(NOTHING);
-    let (mut removed, mut most) = (f32x8::ZERO, f32x8::ZERO);
-    let mut each = [f32x8::ZERO; LANES];
-    for (heights, each) in rows.iter_mut().zip(&mut each) {
-        let now = *heights;
-        let left = cutter.leave(lead, seen, s, d, now);
-        let lowered = now - left;
-        *heights = left;
-        top = top.fast_max(left);
-        removed += lowered;
-        let deep = if rapid { lowered } else { now - seen.tip(seen.within(s)) };
-        *each = lowered.simd_gt(f32x8::splat(CHIP_MM)).bitselect(deep, f32x8::ZERO);
-        most = most.fast_max(*each);
-        s += step_s;
-        d += step_d;
+/// What counts of a node cut by a feed: the height of the stock above the tip.
+#[inline(always)]
+fn deep_of_feed(seen: &Seen, s: f32x8, now: f32x8, lowered: f32x8) -> f32x8 {
+    let deep = now - seen.tip(seen.within(s));
+    lowered.simd_gt(f32x8::splat(CHIP_MM)).bitselect(deep, f32x8::ZERO)
+}
+
+/// What counts of a node cut by a rapid: how much it was lowered.
+#[inline(always)]
+fn deep_of_rapid(_: &Seen, _: f32x8, _: f32x8, lowered: f32x8) -> f32x8 {
+    lowered.simd_gt(f32x8::splat(CHIP_MM)).bitselect(lowered, f32x8::ZERO)
+}
+
+/// Where the nodes of a block lie: those of the first row, and from a row to the next.
+struct Rows {
+    s: f32x8,
+    d: f32x8,
+    step_s: f32x8,
+    step_d: f32x8,
+}
+
+impl Rows {
+    /// Lowers the heights of a block; `None` if nothing is taken away. `leave` says what is left of heights
+    /// at s and d, `deep` what counts of them.
+    #[inline(always)]
+    fn sweep(
+        &self,
+        heights: &mut [f32x8; LANES],
+        seen: &Seen,
+        deep: impl Fn(&Seen, f32x8, f32x8, f32x8) -> f32x8,
+        leave: impl Fn(f32x8, f32x8, f32x8) -> f32x8,
+    ) -> Option<Chip> {
+        let (mut s, mut d) = (self.s, self.d);
+        let mut top = f32x8::splat(NOTHING);
+        let (mut removed, mut most) = (f32x8::ZERO, f32x8::ZERO);
+        let mut each = [f32x8::ZERO; LANES];
+        for (heights, each) in heights.iter_mut().zip(&mut each) {
+            let now = *heights;
+            let left = leave(s, d, now);
+            let lowered = now - left;
+            *heights = left;
+            top = top.fast_max(left);
+            removed += lowered;
+            *each = deep(seen, s, now, lowered);
+            most = most.fast_max(*each);
+            s += self.step_s;
+            d += self.step_d;
+        }
+        let top = top.to_array().into_iter().fold(NOTHING, f32::max);
+        let removed = removed.reduce_add();
+        (removed > 0.0).then_some(Chip { top, removed, most, each })
     }
-    let top = top.to_array().into_iter().fold(NOTHING, f32::max);
-    let removed = removed.reduce_add();
-    (removed > 0.0).then_some(Chip { top, removed, most, each })
 }
