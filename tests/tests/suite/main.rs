@@ -32,3 +32,4 @@ mod surfaces;
 mod threads;
 mod tutorial;
 mod two_tools;
+mod verify;
