@@ -6,6 +6,7 @@
 //! Long kernels take a [`Tick`]: they call it with the share of work done since the last call and
 //! stop, returning `None`, as soon as it answers `false`.
 
+mod bezier;
 mod bounds;
 mod crop;
 mod defects;
@@ -30,12 +31,14 @@ mod profile;
 mod raster;
 mod reduce;
 mod relief;
+mod scallop;
 mod simulate;
 mod stitch;
 mod time;
 mod toolpath;
 mod trace;
 
+pub use bezier::{BezierError, BezierPatch};
 pub use bounds::Bounds;
 pub use crop::Crop;
 pub use defects::{Defects, find_defects};
@@ -63,6 +66,7 @@ pub use profile::{Cutter, Profile, ProfileError, Segment};
 pub use raster::{Raster, RasterStyle};
 pub use reduce::{CHORD_ALLOWANCE_MM, Reduction, fit_arcs, reduce_chord, reduce_z_band};
 pub use relief::{BasRelief, SlopeLimit, bas_relief, limit_slope};
+pub use scallop::{Borders, ConstantScallop, Finish, Finished, Held, ScallopError, ScallopRaster};
 pub use simulate::{
     ARC_TOLERANCE_MM, Cut, Load, RAPID_TOLERANCE_MM, RapidCut, Removal, SimulateError, Simulation,
     StepDown, Stock, simulate,

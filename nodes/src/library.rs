@@ -19,6 +19,7 @@ pub const LIBRARY: Library = Library {
         ("portrait_masks", include_str!("../../graphs/portrait_masks.ron")),
         ("relief", include_str!("../../graphs/relief.ron")),
         ("rest_finish", include_str!("../../graphs/rest_finish.ron")),
+        ("scallop", include_str!("../../graphs/scallop.ron")),
         ("text_plaque", include_str!("../../graphs/text_plaque.ron")),
         ("two_tool_mesh", include_str!("../../graphs/two_tool_mesh.ron")),
         ("two_tool_relief", include_str!("../../graphs/two_tool_relief.ron")),

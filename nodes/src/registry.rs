@@ -18,6 +18,7 @@ use std::mem::size_of;
 pub(crate) fn kinds() -> Vec<NodeKind> {
     vec![
         NodeKind::of::<relief::BasReliefNode>("relief"),
+        NodeKind::of::<surface::BezierSurface>("surface"),
         NodeKind::of::<picture::BilateralFilter>("picture"),
         NodeKind::of::<relief::Border>("relief"),
         NodeKind::of::<path::CirclesNode>("path"),
@@ -84,6 +85,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<output::SavePoints>("output"),
         NodeKind::of::<output::SaveStl>("output"),
         NodeKind::of::<relief::ScaleField>("relief"),
+        NodeKind::of::<path::ScallopPasses>("path"),
         NodeKind::of::<check::ScallopPlot>("check"),
         NodeKind::of::<path::SetupNode>("path"),
         NodeKind::of::<mask::ShapeMask>("mask"),

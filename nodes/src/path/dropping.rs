@@ -53,7 +53,7 @@ pub(super) fn dropped(
 }
 
 /// What a node says when the cutter cannot be dropped.
-fn fault(fault: DropError) -> NodeError {
+pub(super) fn fault(fault: DropError) -> NodeError {
     match fault {
         DropError::Stopped => NodeError::Cancelled,
         DropError::TooManyBends(_) => NodeError::refused("chord_tolerance", fault.to_string()),

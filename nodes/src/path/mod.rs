@@ -12,6 +12,7 @@ mod raster;
 mod reduce_cl;
 mod rest_area;
 mod roughing;
+mod scallop_passes;
 mod setup;
 mod waterline;
 
@@ -28,5 +29,6 @@ pub(crate) use raster::RasterNode;
 pub(crate) use reduce_cl::ReduceCl;
 pub(crate) use rest_area::RestAreaNode;
 pub(crate) use roughing::Roughing;
+pub(crate) use scallop_passes::ScallopPasses;
 pub(crate) use setup::SetupNode;
 pub(crate) use waterline::WaterlineNode;

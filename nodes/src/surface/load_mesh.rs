@@ -6,7 +6,7 @@
 
 use super::read::{ReadError, ReadMesh, read_mesh};
 use super::unit::{Unit, check_reach, doubt, size_text};
-use carvegraph_core::{Context, InputFile, Node, NodeError, Outputs, Params, Yielding};
+use carvegraph_core::{Context, InputFile, Inputs, Node, NodeError, Outputs, Params, Yielding};
 use carvegraph_geometry::{Bounds, Mesh};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -14,12 +14,18 @@ use std::sync::Arc;
 /// Loads a mesh: STL (binary or ASCII), OBJ, PLY or 3MF, whatever the file's name says.
 #[derive(Clone, Debug, Params)]
 pub(crate) struct LoadMesh {
-    /// The mesh's file.
+    /// The mesh's file; none takes the mesh that is wired in.
     #[param()]
-    pub(crate) path: InputFile,
+    pub(crate) path: Option<InputFile>,
     /// Unit of the file's numbers. Left alone, a 3MF file's own is taken.
     #[param(default = Unit::Mm)]
     pub(crate) unit: Yielding<Unit>,
+}
+
+#[derive(Inputs)]
+pub(crate) struct Instead<'a> {
+    /// What is taken where there is no file.
+    instead: Option<&'a Mesh>,
 }
 
 #[derive(Outputs)]
@@ -32,24 +38,35 @@ pub(crate) struct Loaded {
 
 impl Node for LoadMesh {
     const KIND: &'static str = "load_mesh";
-    type Inputs<'a> = ();
+    type Inputs<'a> = Instead<'a>;
     type Outputs = Loaded;
 
-    fn run(&self, (): (), cx: &Context<'_>) -> Result<Loaded, NodeError> {
-        let bytes = cx.read(&self.path)?;
+    fn run(&self, inputs: Instead<'_>, cx: &Context<'_>) -> Result<Loaded, NodeError> {
+        let Some(path) = &self.path else {
+            let mesh = inputs.instead.ok_or_else(|| {
+                NodeError::failed("there is neither a file nor a mesh to take in its place")
+            })?;
+            return finish(mesh.clone(), "no file", cx);
+        };
+        let bytes = cx.read(path)?;
         let ticker = cx.ticker(bytes.len());
         let read = read_mesh(&bytes, &|n| ticker.tick(n)).map_err(|fault| match fault {
             ReadError::Stopped => NodeError::Cancelled,
-            fault => NodeError::Failed(format!("{} {fault}", self.path)),
+            fault => NodeError::Failed(format!("{path} {fault}")),
         })?;
         drop(bytes);
-        read.oddities.iter().for_each(|oddity| cx.warn(format!("{}: {oddity}", self.path)));
-        self.finish(read, cx)
+        read.oddities.iter().for_each(|oddity| cx.warn(format!("{path}: {oddity}")));
+        self.of_unit(path, read, cx)
     }
 }
 
 impl LoadMesh {
-    fn finish(&self, read: ReadMesh, cx: &Context<'_>) -> Result<Loaded, NodeError> {
+    fn of_unit(
+        &self,
+        path: &InputFile,
+        read: ReadMesh,
+        cx: &Context<'_>,
+    ) -> Result<Loaded, NodeError> {
         let (format, mut vertices) = (read.format, read.vertices);
         let unit_mm = match (self.unit.is_set(), read.unit_mm) {
             (false, Some(mm)) => mm,
@@ -57,15 +74,20 @@ impl LoadMesh {
         };
         vertices.par_iter_mut().for_each(|vertex| *vertex *= unit_mm);
         let mesh = Mesh { vertices: Arc::new(vertices), triangles: read.triangles };
-        let Some(bounds) = mesh.bounds() else {
-            return Err(NodeError::Failed(format!("{} holds no triangles", self.path)));
-        };
-        check_reach(&bounds)?;
-        let (count, size) = (mesh.triangles.len(), size_text(&bounds));
-        cx.note(format!("{format}: {count} triangles, {size}"));
-        doubt(&bounds).into_iter().for_each(|doubt| cx.warn(doubt));
-        Ok(Loaded { mesh, bounds })
+        if mesh.triangles.is_empty() {
+            return Err(NodeError::Failed(format!("{path} holds no triangles")));
+        }
+        finish(mesh, format, cx)
     }
+}
+
+fn finish(mesh: Mesh, from: &str, cx: &Context<'_>) -> Result<Loaded, NodeError> {
+    let bounds = mesh.bounds().ok_or_else(|| NodeError::failed("the mesh has no triangles"))?;
+    check_reach(&bounds)?;
+    let (count, size) = (mesh.triangles.len(), size_text(&bounds));
+    cx.note(format!("{from}: {count} triangles, {size}"));
+    doubt(&bounds).into_iter().for_each(|doubt| cx.warn(doubt));
+    Ok(Loaded { mesh, bounds })
 }
 
 #[cfg(test)]
@@ -79,8 +101,9 @@ mod tests {
     fn loaded(text: &str, unit: Yielding<Unit>) -> Result<Loaded, String> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("part.stl"), text).unwrap();
-        let path = Origin::Folder(folder.path().to_owned()).locate("part.stl");
-        run(|cx| LoadMesh { path, unit }.run((), cx)).map_err(|fault| fault.to_string())
+        let path = Some(Origin::Folder(folder.path().to_owned()).locate("part.stl"));
+        run(|cx| LoadMesh { path, unit }.run(Instead { instead: None }, cx))
+            .map_err(|fault| fault.to_string())
     }
 
     #[test]
@@ -90,6 +113,16 @@ mod tests {
             assert_eq!(loaded.mesh.triangles, [[0, 1, 2]]);
             assert_eq!(loaded.bounds.size().to_array(), [2.0 * mm, 3.0 * mm, mm]);
         }
+    }
+
+    #[test]
+    fn without_a_file_what_is_wired_in_is_taken() {
+        let given = loaded(TRIANGLE, Yielding::left(Unit::Mm)).unwrap().mesh;
+        let node = LoadMesh { path: None, unit: Yielding::left(Unit::Mm) };
+        let taken = run(|cx| node.run(Instead { instead: Some(&given) }, cx)).unwrap();
+        assert_eq!((taken.mesh, taken.bounds.size().y), (given, 3.0));
+        let neither = run(|cx| node.run(Instead { instead: None }, cx)).map(|_| ()).unwrap_err();
+        assert!(neither.to_string().contains("neither a file nor a mesh"), "{neither}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Surfaces: made of pictures and points, read from files, turned, cropped and looked at.
 
+mod bezier_surface;
 mod canvas;
 mod crop_field;
 mod crop_mesh;
@@ -19,6 +20,7 @@ mod transform_points;
 mod unit;
 mod z_map;
 
+pub(crate) use bezier_surface::BezierSurface;
 pub(crate) use crop_field::CropField;
 pub(crate) use crop_mesh::CropMesh;
 pub(crate) use crop_points::CropPoints;
