@@ -97,15 +97,18 @@ impl OnMesh {
 /// cutter that grazes one is as deep in the part as it is behind its edge, however far the top lies above.
 fn curtains(mesh: &Mesh, up: &[u32], bottom_mm: f64) -> Vec<[DVec3; 3]> {
     let same = first_of_equals(&mesh.vertices);
-    let edge = |a: u32, b: u32| {
-        let [a, b] = [a, b].map(|v| same[v as usize]);
-        u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+    let places = |t: &u32| {
+        let mut places = mesh.triangles[*t as usize].map(|v| same[v as usize]);
+        places.sort_unstable();
+        places
     };
-    let edges_of = |t: &u32| {
-        let [a, b, c] = mesh.triangles[*t as usize];
-        [edge(a, b), edge(b, c), edge(c, a)]
-    };
-    let mut edges: Vec<u64> = up.par_iter().flat_map_iter(edges_of).collect();
+    // A triangle that is there twice makes no edge a shared one.
+    let mut once: Vec<[u32; 3]> = up.par_iter().map(places).collect();
+    once.par_sort_unstable();
+    once.dedup();
+    let edge = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
+    let edges_of = |[a, b, c]: &[u32; 3]| [edge(*a, *b), edge(*b, *c), edge(*a, *c)];
+    let mut edges: Vec<u64> = once.par_iter().flat_map_iter(edges_of).collect();
     edges.par_sort_unstable();
     let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
     let curtain = |same: &[u64]| {

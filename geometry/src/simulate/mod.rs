@@ -61,10 +61,9 @@ use stroke::{Stroke, strokes};
 use sweep::Sweep;
 use tile::{Tile, Tiles};
 
-/// Chords of arcs stay this close to them: a twentieth of the finest scallop that anybody asks for is
-/// more than ten times as much. (A full circle has at most some 30,000 chords, so that it holds for radii
-/// up to 20 m.)
-pub const ARC_TOLERANCE_MM: f64 = 1e-4;
+/// Chords of arcs stay this close to them: half of a program's last decimal, and a tenth of the finest scallop
+/// that anybody asks for.
+pub const ARC_TOLERANCE_MM: f64 = 5e-4;
 
 /// A rapid that takes away less does not count: programs have three decimals.
 pub const RAPID_TOLERANCE_MM: f64 = 1e-3;

@@ -6,8 +6,8 @@
 
 use carvegraph_geometry::{DVec3, Motion, MoveKind};
 
-/// Arcs are compared as chords so near to them, in mm: less than a program's last decimal.
-const CHORD_MM: f64 = 1e-4;
+/// Arcs are compared as chords so near to them, in mm: a program's last decimal.
+const CHORD_MM: f64 = 1e-3;
 
 /// Cuts without a rapid between them.
 struct Chain {
