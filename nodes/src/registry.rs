@@ -37,6 +37,7 @@ pub(crate) fn kinds() -> Vec<NodeKind> {
         NodeKind::of::<path::CutterNode>("path"),
         NodeKind::of::<picture::DepthSmooth>("picture"),
         NodeKind::of::<check::DeviationNode>("check"),
+        NodeKind::of::<check::DeviationMap>("check"),
         NodeKind::of::<relief::Dome>("relief"),
         NodeKind::of::<path::DropCutter>("path"),
         NodeKind::of::<path::DropOnMesh>("path"),

@@ -1,6 +1,7 @@
 //! From the program's text back to what a machine makes of it.
 
 mod deviation;
+mod deviation_map;
 mod estimate;
 mod estimate_time;
 mod follow;
@@ -12,6 +13,7 @@ mod simulate;
 mod verify;
 
 pub(crate) use deviation::DeviationNode;
+pub(crate) use deviation_map::DeviationMap;
 pub use estimate::{Estimate, RunTimes};
 pub(crate) use estimate_time::EstimateTime;
 pub(crate) use load_gcode::LoadGcode;

@@ -15,8 +15,18 @@ use tempfile::TempDir;
 pub(crate) const CARVE: &str = env!("CARGO_BIN_EXE_carve-under-test");
 
 /// Settings that make a small job of any picture: a part of some 30 mm, and thumbnails for previews.
-pub(crate) const QUICK: [&str; 6] =
-    ["--set", "canvas_width=30", "--set", "preview.size=64", "--set", "preview_path.size=64"];
+pub(crate) const QUICK: [&str; 10] = [
+    "--set",
+    "canvas_width=30",
+    "--set",
+    "preview.size=64",
+    "--set",
+    "preview_path.size=64",
+    "--set",
+    "inspection/carved.size=64",
+    "--set",
+    "inspection/map.size=64",
+];
 
 /// A folder that the command is called in; gone when the test is over.
 pub(crate) struct Bench {

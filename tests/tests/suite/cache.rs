@@ -4,9 +4,9 @@ use crate::bench::{Bench, QUICK, Report};
 use std::fs;
 
 /// A small job, with its cache in `kept`.
-const JOB: [&str; 11] = {
-    let [a, b, c, d, e, f] = QUICK;
-    ["relief", a, b, c, d, e, f, "--set", "image=hills.png", "--cache", "kept"]
+const JOB: [&str; 15] = {
+    let [a, b, c, d, e, f, g, h, i, j] = QUICK;
+    ["relief", a, b, c, d, e, f, g, h, i, j, "--set", "image=hills.png", "--cache", "kept"]
 };
 
 fn bench() -> Bench {
@@ -37,7 +37,7 @@ fn a_second_run_runs_nothing() {
     let files = bench.files("out");
     let second = again(&bench, &[]);
     assert_eq!(second.nodes_that("ran"), [""; 0]);
-    assert_eq!(second.nodes_that("cached").len(), 18);
+    assert_eq!(second.nodes_that("cached").len(), 25);
     assert_eq!(second.nodes_that("skipped"), ["save_points"]);
     assert_eq!(bench.files("out"), files);
     assert_eq!(files, fresh(&bench, &[]));
@@ -70,7 +70,15 @@ fn a_lost_file_is_written_anew_and_nothing_else() {
     let report = again(&bench, &["--out", "elsewhere"]);
     assert_eq!(
         report.nodes_that("ran"),
-        ["preview", "preview_path", "save_gcode", "save_mesh", "summary"]
+        [
+            "inspection/carved",
+            "inspection/map",
+            "preview",
+            "preview_path",
+            "save_gcode",
+            "save_mesh",
+            "summary"
+        ]
     );
     assert_eq!(bench.files("elsewhere"), files);
 }
@@ -82,7 +90,21 @@ fn a_new_tolerance_reduces_again_and_what_follows() {
     let report = again(&bench, &["--set", "tolerance=0.02"]);
     assert_eq!(
         report.nodes_that("ran"),
-        ["link", "post", "preview_path", "reduce", "save_gcode", "summary"]
+        [
+            "inspection/carved",
+            "inspection/deviation",
+            "inspection/map",
+            "inspection/read",
+            "inspection/simulate",
+            "inspection/time",
+            "inspection/verify",
+            "link",
+            "post",
+            "preview_path",
+            "reduce",
+            "save_gcode",
+            "summary"
+        ]
     );
     assert_eq!(bench.files("out"), fresh(&bench, &["--set", "tolerance=0.02"]));
     // Both are kept now.
@@ -200,7 +222,8 @@ fn a_plan_tells_why_a_node_runs() {
     assert!(why.contains("reduce: parameter tolerance was 0.01, is 0.02"), "{why}");
     let later = plan(&changed, "save_gcode");
     for line in [
-        "save_gcode: input program changed, since post did",
+        "save_gcode: input program changed, since inspection/verify did",
+        "inspection/verify: input program changed, since post did",
         "post: input toolpath changed, since link did",
         "link: input toolpath changed, since reduce did",
         "reduce: parameter tolerance was 0.01, is 0.02",

@@ -135,7 +135,7 @@ fn recipes_are_listed_and_described() {
     ] {
         assert!(relief.contains(&format!("\n  {line}")), "{line:?} in {relief}");
     }
-    assert_eq!(relief.lines().filter(|line| line.contains(" = ")).count(), 26, "{relief}");
+    assert_eq!(relief.lines().filter(|line| line.contains(" = ")).count(), 28, "{relief}");
     assert_wrong(&["graphs", "releif"], &["did you mean \"relief\"?"]);
     assert_wrong(&["graphs", "--text"], &["NAME"]);
 }

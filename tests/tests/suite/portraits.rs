@@ -173,7 +173,8 @@ fn the_astronaut_becomes_a_program() {
     let files: Vec<String> = bench.files("out").into_keys().collect();
     assert_eq!(
         files,
-        ["-path.png", ".nc", ".png", ".stl", ".txt"].map(|end| format!("picture{end}"))
+        ["-carved.png", "-deviation.png", "-path.png", ".nc", ".png", ".stl", ".txt"]
+            .map(|end| format!("picture{end}"))
     );
 }
 

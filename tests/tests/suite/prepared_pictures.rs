@@ -139,7 +139,7 @@ fn photographs_and_depth_maps_become_programs() {
         let report = bench.run(&[&call[..], &QUICK].concat());
         assert_eq!(report.status("save_gcode"), "ran");
         let files: Vec<String> = bench.files("out").into_keys().collect();
-        let wanted = ["-path.png", ".nc", ".png", ".stl", ".txt"];
+        let wanted = ["-carved.png", "-deviation.png", "-path.png", ".nc", ".png", ".stl", ".txt"];
         assert_eq!(files, wanted.map(|ending| format!("picture{ending}")), "{recipe}");
         let program = gcode::read(&bench.text("out/picture.nc"));
         let deepest = program.moves.iter().filter_map(|m| m.to[2]).fold(0.0, f64::min);

@@ -11,11 +11,11 @@ const SAFE_MM: f64 = 5.0;
 const RADIUS_MM: f64 = 3.0;
 
 /// A job of about 2000 points, so that each test reads all of it.
-const SMALL: [&str; 13] = {
-    let [a, b, c, d, e, f] = QUICK;
+const SMALL: [&str; 17] = {
+    let [a, b, c, d, e, f, g, h, i, j] = QUICK;
     let steps = ["--set", "stepover=0.7", "--set", "feed_step=0.6"];
-    let [g, h, i, j] = steps;
-    ["relief", "--set", "image=hills.png", a, b, c, d, e, f, g, h, i, j]
+    let [k, l, m, n] = steps;
+    ["relief", "--set", "image=hills.png", a, b, c, d, e, f, g, h, i, j, k, l, m, n]
 };
 
 /// Carves hills of 50 × 40 pixels, a part of 29.4 × 23.4 mm.

@@ -46,10 +46,11 @@ fn assert_carved(name: &str) {
     let image = format!("image={path}");
     let report = bench.run(&["relief", "--set", &image, "--set", "dialect=linuxcnc"]);
     let stem = Path::new(&path).file_stem().unwrap().to_str().unwrap();
-    let mut wanted: Vec<String> = ["-path.png", ".ngc", ".png", ".stl", ".txt"]
-        .iter()
-        .map(|ending| format!("{stem}{ending}"))
-        .collect();
+    let mut wanted: Vec<String> =
+        ["-carved.png", "-deviation.png", "-path.png", ".ngc", ".png", ".stl", ".txt"]
+            .iter()
+            .map(|ending| format!("{stem}{ending}"))
+            .collect();
     wanted.sort();
     assert_eq!(bench.files("out").into_keys().collect::<Vec<_>>(), wanted);
 

@@ -18,10 +18,10 @@ const FACTS: [(&str, &[&str]); 7] = [
 fn the_sample_becomes_program_mesh_pictures_and_summary() {
     let bench = Bench::new();
     let report = bench.run(&["relief", "--out", "carved"]);
-    let wanted =
-        ["medallion-path.png", "medallion.nc", "medallion.png", "medallion.stl", "medallion.txt"];
+    let wanted = ["-carved.png", "-deviation.png", "-path.png", ".nc", ".png", ".stl", ".txt"];
+    let wanted = wanted.map(|end| format!("medallion{end}"));
     let files = bench.files("carved");
-    assert_eq!(files.keys().collect::<Vec<_>>(), wanted);
+    assert_eq!(files.keys().cloned().collect::<Vec<_>>(), wanted);
     assert_eq!(bench.names(), ["carved", "report.json"], "nothing beside the output folder");
 
     let lines = report.count("post", "program", "lines");
@@ -34,7 +34,7 @@ fn the_sample_becomes_program_mesh_pictures_and_summary() {
     assert_eq!(u64::from(u32::from_le_bytes(stl[80..84].try_into().unwrap())), triangles);
     assert_eq!(stl.len() as u64, 84 + 50 * triangles);
 
-    for name in ["medallion.png", "medallion-path.png"] {
+    for name in ["medallion.png", "medallion-path.png", "medallion-carved.png"] {
         let picture = image::load_from_memory(&files[name]).unwrap();
         assert_eq!(picture.width().max(picture.height()), 1200, "{name}");
         let pixels = picture.to_rgb8();
@@ -68,6 +68,8 @@ fn the_report_keeps_its_contract() {
         report.0["files"],
         serde_json::json!([
             "out/hills.nc",
+            "out/hills-deviation.png",
+            "out/hills-carved.png",
             "out/hills.stl",
             "out/hills.png",
             "out/hills-path.png",
@@ -75,7 +77,7 @@ fn the_report_keeps_its_contract() {
         ])
     );
     assert_eq!(report.nodes_that("skipped"), ["save_points"]);
-    assert_eq!(report.nodes_that("ran").len(), 18);
+    assert_eq!(report.nodes_that("ran").len(), 25);
 
     let mut seen = Vec::new();
     for (id, node) in report.0["nodes"].as_object().unwrap() {
@@ -129,7 +131,7 @@ fn quiet_says_nothing() {
     let call = ["run", "relief", "--set", "image=even.png", "--quiet"];
     let answer = bench.carve(&[&call[..], &QUICK].concat());
     assert_eq!((answer.status, answer.out.as_str(), answer.err.as_str()), (0, "", ""));
-    assert_eq!(bench.files("out").len(), 5);
+    assert_eq!(bench.files("out").len(), 7);
 }
 
 #[test]
@@ -142,7 +144,7 @@ fn a_pipe_gets_files_on_one_side_and_plain_lines_on_the_other() {
     assert_eq!(answer.status, 0, "{}", answer.err);
     let files: Vec<&str> = answer.out.lines().collect();
     assert_eq!(Value::from(files.clone()), bench.report().0["files"]);
-    assert_eq!(files.len(), 5);
+    assert_eq!(files.len(), 7);
     for file in files {
         assert!(bench.path(file).is_file(), "{file}");
     }

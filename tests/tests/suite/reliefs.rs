@@ -37,7 +37,8 @@ fn a_bas_relief_has_its_depth_on_a_level_plate_and_a_watertight_solid() {
     assert_eq!((of("flat", "z_min"), of("flat", "z_max")), (0.0, 4.0));
     assert_eq!(of("relief", "width_mm"), of("flat", "width_mm") + 2.0 * 5.0);
     let files: Vec<String> = bench.files("out").into_keys().collect();
-    let endings = ["-path.png", ".3mf", ".nc", ".png", ".stl", ".txt"];
+    let endings =
+        ["-carved.png", "-deviation.png", "-path.png", ".3mf", ".nc", ".png", ".stl", ".txt"];
     assert_eq!(files, endings.map(|ending| format!("shell{ending}")));
     let triangles = ["shell.stl", "shell.3mf"]
         .map(|file| assert_watertight(&bench, file).count("placed", "mesh", "triangles"));
