@@ -205,6 +205,16 @@ impl Profile {
         self.segments.last().map_or(0.0, |s| s.to()[0])
     }
 
+    /// How round or wide the tip is: the radius of its arc or of its flat, in mm; 0 of a point.
+    #[must_use]
+    pub fn tip_radius_mm(&self) -> f64 {
+        match self.segments.first() {
+            Some(Segment::Arc { center, .. }) if center[0] >= 0.0 => center[0].hypot(center[1]),
+            Some(Segment::Line { to }) if to[1] == 0.0 => to[0],
+            _ => 0.0,
+        }
+    }
+
     /// h(r) in mm; infinite beyond R, for there the cutter touches nothing.
     #[must_use]
     pub fn height(&self, r_mm: f64) -> f64 {

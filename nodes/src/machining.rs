@@ -11,6 +11,8 @@ pub struct Machining {
     pub runs: Vec<ToolRun>,
     /// What the text asks for that no machine should do, in the order of its lines.
     pub faults: Vec<TextFault>,
+    /// Whether the language of all programs is known. If not there are no moves, and nothing is wrong.
+    pub readable: bool,
 }
 
 /// The moves that one tool makes before the next one is put in.

@@ -224,7 +224,7 @@ fn simulation_facts(found: &Simulated) -> Facts {
 
 fn verification_facts(verification: &Verification) -> Facts {
     facts([
-        ("passes", json!(verification.faults.is_empty())),
+        ("passes", json!(verification.faults.is_empty() && !verification.looked_at.is_empty())),
         ("faults", json!(verification.faults)),
         ("looked_at", json!(verification.looked_at)),
         ("departure_mm", json!(verification.departure_mm)),

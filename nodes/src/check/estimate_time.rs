@@ -180,7 +180,7 @@ mod tests {
 
     fn estimate(node: &EstimateTime, tools: usize, machine: Machine) -> Estimate {
         let runs = (0..tools).map(|_| tool_run(2.0)).collect();
-        let machining = Machining { runs, faults: vec![] };
+        let machining = Machining { runs, faults: vec![], readable: true };
         let setup = Setup { machine, ..Setup::default() };
         let program = Program { machining: &machining, setup: Some(&setup) };
         run(|cx| node.run(program, cx)).unwrap().estimate
@@ -258,7 +258,7 @@ mod tests {
     fn a_move_that_no_machine_can_make_is_an_error() {
         let mut bad = tool_run(0.0);
         bad.motion.moves[2].to.y = f64::NAN;
-        let machining = Machining { runs: vec![bad], faults: vec![] };
+        let machining = Machining { runs: vec![bad], faults: vec![], readable: true };
         let program = Program { machining: &machining, setup: None };
         let fault = run(|cx| left().run(program, cx).map(|_| ())).unwrap_err().to_string();
         assert!(fault.contains("move 2 leads to (100, NaN, 0) mm at 1200 mm/min"), "{fault}");

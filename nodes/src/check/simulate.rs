@@ -148,7 +148,7 @@ mod tests {
         let motion = path(1.0).motion().unwrap();
         let lines = vec![1; motion.moves.len()];
         let run_of = ToolRun { program: 0, cutter: ball(4.0), motion, lines, dwell_s: 0.0 };
-        let machining = Machining { runs: vec![run_of], faults: Vec::new() };
+        let machining = Machining { runs: vec![run_of], faults: Vec::new(), readable: true };
         let part = Bounds { min: DVec3::new(0.0, 0.0, -4.0), max: DVec3::new(10.0, 8.0, 0.0) };
         run(|cx| node.run(Program { machining: &machining, part: &part }, cx))
     }

@@ -48,7 +48,7 @@ pub(crate) enum OnFault {
 /// What was verified of a program, and what is wrong with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Verification {
-    /// What was looked at, in words.
+    /// What was looked at, in words; nothing in a language that is not known.
     pub looked_at: Vec<String>,
     /// What is wrong, in words.
     pub faults: Vec<String>,
@@ -89,6 +89,11 @@ impl Node for Verify {
 
     fn run(&self, inputs: Held<'_>, cx: &Context<'_>) -> Result<Passed, NodeError> {
         let mut findings = Findings::new(&inputs);
+        if !inputs.machining.readable {
+            cx.warn("the language of the program is not known: nothing of it was verified");
+            let verification = findings.verification;
+            return Ok(Passed { program: inputs.program.clone(), verification });
+        }
         findings.text();
         findings.machine();
         findings.rapids();
@@ -171,7 +176,7 @@ impl<'a> Findings<'a> {
     }
 
     fn text(&mut self) {
-        let Machining { faults, runs } = self.held.machining;
+        let Machining { faults, runs, .. } = self.held.machining;
         self.look_at("text: feeds, spindle, units, arcs, end");
         for fault in faults {
             let line = self.line(fault.program, fault.line);

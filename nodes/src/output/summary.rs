@@ -215,6 +215,9 @@ fn describe_inspection(made: &Made<'_>, say: &mut impl FnMut(&str, String)) {
     if let Some(verification) = made.verification {
         let looked_at = verification.looked_at.join("; ");
         match &verification.faults[..] {
+            [] if looked_at.is_empty() => {
+                say("verified", "nothing: its language is not known".into())
+            }
             [] => say("verified", looked_at),
             faults => faults.iter().for_each(|fault| say("WRONG", fault.clone())),
         }

@@ -61,7 +61,7 @@ impl Node for DropCutter {
 
     fn run(&self, inputs: Dropping<'_>, cx: &Context<'_>) -> Result<Dropped, NodeError> {
         let Dropping { surface, cutter, pattern } = inputs;
-        let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.radius_mm());
+        let (against, text) = self.choose(surface.pitch_mm(), cutter.profile.tip_radius_mm());
         cx.note(&text);
         let surface = geometry::Surface::Field(surface, against);
         let toolpath = dropped(surface, cutter, pattern, &self.tip, cx)?;
@@ -70,19 +70,22 @@ impl Node for DropCutter {
 }
 
 impl DropCutter {
-    fn choose(&self, pitch_mm: f64, radius_mm: f64) -> (Against, String) {
+    fn choose(&self, pitch_mm: f64, tip_radius_mm: f64) -> (Against, String) {
         let against = match self.against {
             Surface::Points => Against::Points,
             Surface::Mesh => Against::Mesh,
-            Surface::Auto if pitch_mm <= DENSE * radius_mm => Against::Points,
+            Surface::Auto if pitch_mm <= DENSE * tip_radius_mm => Against::Points,
             Surface::Auto => Against::Mesh,
         };
         let on = match against {
             Against::Points => "points",
             Against::Mesh => "mesh",
         };
-        let share = 100.0 * pitch_mm / radius_mm;
+        let share = 100.0 * pitch_mm / tip_radius_mm;
         let why = match self.against {
+            _ if tip_radius_mm == 0.0 && against == Against::Mesh => {
+                "a pointed cutter would sink between points".to_owned()
+            }
             Surface::Auto => format!(
                 "their distance, {pitch_mm:.3} mm, is {share:.1} % of the cutter's radius, {} {:.0} %",
                 if against == Against::Points { "at most" } else { "more than" },

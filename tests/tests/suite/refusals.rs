@@ -209,7 +209,7 @@ const SLIPS: [Slip; 22] = [
     slip(
         "\"points\": (kind",
         "\"gray\": (kind",
-        &["duplicate key \"gray\"; the first is on line 38", "45 | "],
+        &["duplicate key \"gray\"; the first is on line 40", "47 | "],
     ),
     slip("\"kernel\": 5", "\"kernel\": [5]", &["kernel must be a number, ", ", not a list"]),
     slip(
@@ -283,7 +283,7 @@ fn names_that_lead_out_of_the_output_folder() {
             &bench,
             &["mine.ron"],
             2,
-            &["node \"preview_path\": name: ", "mine.ron:86:"],
+            &["node \"preview_path\": name: ", "mine.ron:100:"],
         );
     }
 }
@@ -436,7 +436,19 @@ fn a_failing_node_takes_along_only_what_needs_it() {
     let report = bench.report();
     assert_eq!(report.0["status"], "failed");
     assert_eq!(report.nodes_that("failed"), ["post"]);
-    let inspection = ["carved", "deviation", "map", "read", "simulate", "time", "verify"];
+    let inspection = [
+        "ball",
+        "carved",
+        "deviation",
+        "file",
+        "map",
+        "placed",
+        "read",
+        "shell",
+        "simulate",
+        "time",
+        "verify",
+    ];
     let inspection = inspection.map(|node| format!("inspection/{node}"));
     let skipped = inspection.iter().map(String::as_str);
     let skipped: Vec<&str> = skipped.chain(["save_gcode", "save_points", "summary"]).collect();

@@ -55,7 +55,7 @@ fn a_page_stands_beside_the_files_and_needs_nothing_else() {
     assert_eq!(status, 0);
     let attributes = assert_well_formed(&page);
     let sources: Vec<_> = attributes.iter().filter(|a| a.starts_with("src=")).collect();
-    assert_eq!(sources.len(), 2);
+    assert_eq!(sources.len(), 4);
     assert!(sources.iter().all(|source| source.starts_with("src=data:image/png;base64,iVBOR")));
     assert!(attributes.iter().filter(|a| a.starts_with("href=")).all(|a| a.starts_with("href=#")));
     for foreign in ["http:", "https:", "<script", "<link", "url(", "@import", "javascript"] {
@@ -150,10 +150,12 @@ fn the_time_of_a_job_is_that_of_all_its_tools() {
         page.contains("<dt>Cutter</dt><dd>flat, ") && page.contains("<dt>Cutter</dt><dd>ball, ")
     );
     let report = bench.report();
-    let before_s = report.number("rough", "job", "time_s");
-    let minutes = ((report.number("link", "toolpath", "time_s") + before_s) / 60.0).ceil();
-    assert!(before_s > 10.0, "{before_s}");
-    let told = format!("<dt>Machining time</dt><dd>{minutes} min at full speed; ");
+    let both_s = report.number("inspection/time", "estimate", "time_s");
+    assert!(both_s > report.number("rough", "job", "time_s") + 10.0, "{both_s}");
+    let told = format!(
+        "<dt>Machining time</dt><dd>{} min on a machine that gathers",
+        (both_s / 60.0).ceil()
+    );
     assert!(page.contains(&told), "{told}: {page}");
 }
 

@@ -11,7 +11,7 @@ fn assert_same(bench: &Bench, settings: &[&str]) {
         bench.files(threads)
     };
     let one = files("1");
-    assert_eq!(one.len(), 6);
+    assert_eq!(one.len(), 8);
     for threads in ["2", "3"] {
         for (name, bytes) in files(threads) {
             assert!(bytes == one[&name], "{name} differs on {threads} threads");

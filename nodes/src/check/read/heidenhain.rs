@@ -202,7 +202,7 @@ fn direction_of(word: &str) -> Option<Direction> {
     }
 }
 
-/// `TOOL CALL 3 Z S12000`, or without a number a new speed only.
+/// `TOOL CALL 3 Z S12000`, or without a number a new speed of the same tool.
 fn tool(block: &str, recorder: &mut Recorder<'_>) -> Result<(), Stop> {
     let Some(rest) = block.strip_prefix("TOOL CALL ") else {
         return match block.starts_with("TOOL DEF ") {
@@ -211,7 +211,7 @@ fn tool(block: &str, recorder: &mut Recorder<'_>) -> Result<(), Stop> {
         };
     };
     let first = rest.split_ascii_whitespace().next().unwrap_or_default();
-    if first.starts_with('S') {
+    if first.starts_with(['S', 'X', 'Y', 'Z']) {
         return Ok(());
     }
     let number = first.parse().map_err(|_| format!("{first:?} is no number of a tool"))?;

@@ -36,12 +36,13 @@ pub(crate) fn read_programs(
     ignored: &[String],
     go_on: &dyn Fn() -> bool,
 ) -> Option<Machining> {
-    let mut machining = Machining { runs: Vec::new(), faults: Vec::new() };
+    let mut machining = Machining { runs: Vec::new(), faults: Vec::new(), readable: true };
     for (index, program) in code.programs.iter().enumerate() {
         let recorder = Recorder::new(index, &program.tools, cutter, zero);
         let read = read_program(program, &code.dialect, recorder, ignored, go_on)?;
         machining.runs.extend(read.runs);
         machining.faults.extend(read.faults);
+        machining.readable &= read.readable;
     }
     if machining.runs.is_empty() {
         let motion = Motion { start: zero, moves: Vec::new(), arcs: Vec::new() };
@@ -63,6 +64,7 @@ fn read_program(
         Language::WordAddress => Box::new(rs274::Reader::new(dialect, ignored)),
         Language::Heidenhain => Box::new(heidenhain::Reader::default()),
         Language::ShopBot => Box::new(shopbot::Reader::default()),
+        Language::Unknown => return Some(Machining { readable: false, ..recorder.finish() }),
     };
     let mut recorder = recorder;
     for (index, line) in text.lines().enumerate() {
@@ -93,6 +95,8 @@ enum Language {
     WordAddress,
     Heidenhain,
     ShopBot,
+    /// None of them.
+    Unknown,
 }
 
 /// Lines that are looked at to tell a language; heads are shorter.
@@ -110,7 +114,11 @@ impl Language {
         if head().any(|line| moves.iter().any(|begin| line.starts_with(begin))) {
             return Self::ShopBot;
         }
-        Self::WordAddress
+        let words = |line: &str| {
+            let line = line.trim_end();
+            line.is_empty() || line.starts_with(|c| "%(;/NOGMTSFXYZ".contains(c))
+        };
+        if head().any(words) { Self::WordAddress } else { Self::Unknown }
     }
 }
 

@@ -162,7 +162,7 @@ impl<'a> Recorder<'a> {
     pub(super) fn finish(mut self) -> Machining {
         let last = self.run.clone();
         self.keep(last);
-        Machining { runs: self.runs, faults: self.faults }
+        Machining { runs: self.runs, faults: self.faults, readable: true }
     }
 
     fn keep(&mut self, run: ToolRun) {

@@ -189,7 +189,8 @@ fn languages_are_told_apart_by_their_text() {
         };
         assert_eq!(Language::of(text), language, "{dialect}");
     }
-    assert_eq!(Language::of(""), Language::WordAddress);
+    assert_eq!(Language::of("* 3\n* 4\n"), Language::Unknown);
+    assert!(!read("* 3\n", "paper_tape").readable);
 }
 
 #[test]
