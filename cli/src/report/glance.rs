@@ -31,10 +31,12 @@ pub(super) struct Verdict {
 pub(super) fn verdicts(run: &Run<'_>) -> Vec<Verdict> {
     let verdict = |(id, node): (&String, &carvegraph_core::NodeReport)| {
         let is_check = CHECKS.contains(&node.kind);
-        let has_verdict = |port: &&PortReport| is_check || VERDICTS.contains(&&port.type_name[..]);
-        let facts = node.outputs.values().filter(has_verdict).flat_map(|port| &port.facts);
-        let facts: Vec<_> = facts.map(|(name, value)| fact(name, value)).collect();
+        let has_verdict = |port: &&PortReport| VERDICTS.contains(&&port.type_name[..]);
+        let facts = || node.outputs.values().filter(has_verdict).flat_map(|port| &port.facts);
+        let fails = facts().any(|(name, value)| name == "passes" && *value == Json::Bool(false));
+        let facts: Vec<_> = facts().map(|(name, value)| fact(name, value)).collect();
         let (look, text) = match node.status {
+            NodeStatus::Ran | NodeStatus::Cached if fails => ("bad", "did not pass".to_owned()),
             NodeStatus::Ran | NodeStatus::Cached if is_check => ("good", "passed".to_owned()),
             NodeStatus::Ran | NodeStatus::Cached => ("", "measured".to_owned()),
             NodeStatus::Failed => ("bad", node.reason.clone().unwrap_or_default()),
@@ -61,9 +63,10 @@ pub(super) fn glance(run: &Run<'_>) -> Vec<Line> {
     }
     say("Machining time", machining_time(run));
     say("Length", length(run));
-    for port in of_type(run, "gcode") {
-        say("Program", program(port));
-    }
+    // A program that went through its inspection is told once.
+    let mut programs: Vec<String> = of_type(run, "gcode").filter_map(program).collect();
+    programs.dedup();
+    programs.into_iter().for_each(|program| say("Program", Some(program)));
     lines
 }
 

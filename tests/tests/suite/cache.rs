@@ -111,7 +111,10 @@ fn a_new_tolerance_reduces_again_and_what_follows() {
     // Both are kept now.
     assert!(again(&bench, &["--set", "tolerance=0.02"]).nodes_that("ran").is_empty());
     let report = again(&bench, &[]);
-    assert_eq!(report.nodes_that("ran"), ["preview_path", "save_gcode", "summary"]);
+    assert_eq!(
+        report.nodes_that("ran"),
+        ["inspection/carved", "inspection/map", "preview_path", "save_gcode", "summary"]
+    );
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn a_page_stands_beside_the_files_and_needs_nothing_else() {
         "<h1>Relief from a picture <span class=\"faint\">hills</span></h1>",
         "<dt>Part</dt><dd>28.75 × 23.75 mm, Z 0 to 5 mm</dd>",
         "<dt>Cutter</dt><dd>ball, diameter 6 mm</dd>",
-        "Nothing in this recipe looked at what the program will cut",
+        "<dd>text: feeds, spindle, units, arcs, end, rapids through stock",
         "hills.txt</h2>",
         "<dt><code>canvas_width</code></dt><dd><code>30</code></dd>",
         "dialect grbl",
