@@ -132,17 +132,7 @@ impl Reader {
         words: impl Iterator<Item = &'w str>,
         recorder: &mut Recorder<'_>,
     ) -> Result<(), Stop> {
-        let (mut to, mut direction) = ([None; 3], None);
-        for word in words {
-            match (self.axis(word, recorder), direction_of(word)) {
-                (Some(place), _) => {
-                    let (axis, place) = place?;
-                    to[axis] = Some(place);
-                }
-                (None, Some(turns)) => direction = Some(turns),
-                (None, None) => self.other(word, recorder)?,
-            }
-        }
+        let Turn { to, direction, .. } = self.turn(words, recorder)?;
         let arc = self.arc(direction)?;
         recorder.cut_arc(to, arc);
         Ok(())
@@ -154,21 +144,7 @@ impl Reader {
         words: impl Iterator<Item = &'w str>,
         recorder: &mut Recorder<'_>,
     ) -> Result<(), Stop> {
-        let (mut to, mut direction, mut angle_deg) = ([None; 3], None, None);
-        for word in words {
-            if let Some(angle) = word.strip_prefix("IPA").and_then(whole) {
-                angle_deg = Some(angle);
-                continue;
-            }
-            match (self.axis(word, recorder), direction_of(word)) {
-                (Some(place), _) => {
-                    let (axis, place) = place?;
-                    to[axis] = Some(place);
-                }
-                (None, Some(turns)) => direction = Some(turns),
-                (None, None) => self.other(word, recorder)?,
-            }
-        }
+        let Turn { mut to, direction, angle_deg } = self.turn(words, recorder)?;
         let angle_deg = angle_deg.ok_or("a helix has no IPA")?;
         if angle_deg.abs() > 360.0 {
             return Err("a helix of more than a turn is not followed".to_owned());
@@ -185,6 +161,30 @@ impl Reader {
         Ok(())
     }
 
+    /// The words of an arc.
+    fn turn<'w>(
+        &self,
+        words: impl Iterator<Item = &'w str>,
+        recorder: &mut Recorder<'_>,
+    ) -> Result<Turn, Stop> {
+        let mut turn = Turn { to: [None; 3], direction: None, angle_deg: None };
+        for word in words {
+            if let Some(angle) = word.strip_prefix("IPA").and_then(whole) {
+                turn.angle_deg = Some(angle);
+                continue;
+            }
+            match (self.axis(word, recorder), direction_of(word)) {
+                (Some(place), _) => {
+                    let (axis, place) = place?;
+                    turn.to[axis] = Some(place);
+                }
+                (None, Some(direction)) => turn.direction = Some(direction),
+                (None, None) => self.other(word, recorder)?,
+            }
+        }
+        Ok(turn)
+    }
+
     fn arc(&self, direction: Option<Direction>) -> Result<PathArc, Stop> {
         let [Some(x), Some(y)] = self.center_mm else {
             return Err("an arc comes before its centre (CC)".to_owned());
@@ -192,6 +192,15 @@ impl Reader {
         let direction = direction.ok_or("an arc has no DR+ or DR-")?;
         Ok(PathArc { plane: Plane::Xy, direction, center: DVec3::new(x, y, 0.0) })
     }
+}
+
+/// What the words of an arc say.
+struct Turn {
+    /// Where it ends, in mm, by the axes that are named.
+    to: [Option<f64>; 3],
+    direction: Option<Direction>,
+    /// Of a helix: how far it turns.
+    angle_deg: Option<f64>,
 }
 
 fn direction_of(word: &str) -> Option<Direction> {
