@@ -17,6 +17,9 @@ use carvegraph_geometry::{
     ScallopError, ScallopRaster, Toolpath,
 };
 
+/// What the last decimal of a program may add to a scallop, in mm.
+const ROUNDING_MM: f64 = 0.0005;
+
 /// Lays passes as far apart as a scallop allows, and lowers the cutter along them. The path is that of the
 /// tip. The cutter's tip must be round: a ball, a bull nose, a tapered ball.
 #[derive(Clone, Debug, Params)]
@@ -132,7 +135,7 @@ impl ScallopPasses {
                 Along::Y => true,
             },
             style: self.style.into(),
-            scallop_mm: self.scallop,
+            scallop_mm: (self.scallop - ROUNDING_MM).max(self.scallop / 2.0),
             least_step_mm: self.least_stepover,
             steepest_rad: self.steepest.to_radians(),
             floor_mm: self.tip.floor.or(Some(bounds.min.z)),
@@ -243,7 +246,7 @@ mod tests {
         let straight = node(Planner::Raster, Border::On);
         let fault = planned(&straight, Profile::flat(3.0).unwrap()).unwrap_err();
         assert!(fault.contains("a cutter without a round tip"), "{fault}");
-        let fault = planned(&ScallopPasses { scallop: 3.0, ..straight }, ball()).unwrap_err();
+        let fault = planned(&ScallopPasses { scallop: 3.5, ..straight }, ball()).unwrap_err();
         assert!(fault.contains("less than the radius of the tip, 3 mm"), "{fault}");
     }
 }
