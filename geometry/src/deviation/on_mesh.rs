@@ -93,31 +93,34 @@ impl OnMesh {
     }
 }
 
-/// Upright triangles under the edges at which the top ends: rims of open meshes and lips that hang over. A
-/// cutter that grazes one is as deep in the part as it is behind its edge, however far the top lies above.
+/// Upright triangles under the edges at which the top ends: rims of open meshes, and lips and folds that hang
+/// over. A cutter that grazes one is as deep in the part as it is behind its edge, however far the top
+/// lies above.
 fn curtains(mesh: &Mesh, up: &[u32], bottom_mm: f64) -> Vec<[DVec3; 3]> {
     let same = first_of_equals(&mesh.vertices);
-    let places = |t: &u32| {
-        let mut places = mesh.triangles[*t as usize].map(|v| same[v as usize]);
-        places.sort_unstable();
-        places
+    let plan = |v: u32| mesh.vertices[v as usize].truncate();
+    // The edge, and on which sides of it there is something; an upright triangle goes down by itself.
+    let edge = |a: u32, b: u32, c: u32| {
+        let (a, b) = (a.min(b), a.max(b));
+        let side = (plan(b) - plan(a)).perp_dot(plan(c) - plan(a));
+        let sides = u8::from(side >= 0.0) | u8::from(side <= 0.0) << 1;
+        (u64::from(a) << 32 | u64::from(b), sides)
     };
-    // A triangle that is there twice makes no edge a shared one.
-    let mut once: Vec<[u32; 3]> = up.par_iter().map(places).collect();
-    once.par_sort_unstable();
-    once.dedup();
-    let edge = |a: u32, b: u32| u64::from(a) << 32 | u64::from(b);
-    let edges_of = |[a, b, c]: &[u32; 3]| [edge(*a, *b), edge(*b, *c), edge(*a, *c)];
-    let mut edges: Vec<u64> = once.par_iter().flat_map_iter(edges_of).collect();
+    let edges_of = |t: &u32| {
+        let [a, b, c] = mesh.triangles[*t as usize].map(|v| same[v as usize]);
+        [edge(a, b, c), edge(b, c, a), edge(c, a, b)]
+    };
+    let mut edges: Vec<(u64, u8)> = up.par_iter().flat_map_iter(edges_of).collect();
     edges.par_sort_unstable();
-    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-    let curtain = |same: &[u64]| {
+    let ends = edges.chunk_by(|(a, _), (b, _)| a == b);
+    let ends = ends.filter(|of| of.iter().fold(0, |sides, one| sides | one.1) != 3);
+    let curtain = |of: &[(u64, u8)]| {
         let [a, b] =
-            [same[0] >> 32, same[0] & u64::from(u32::MAX)].map(|v| mesh.vertices[v as usize]);
+            [of[0].0 >> 32, of[0].0 & u64::from(u32::MAX)].map(|v| mesh.vertices[v as usize]);
         let [under_a, under_b] = [a, b].map(|corner| corner.with_z(bottom_mm));
         [[a, b, under_b], [a, under_b, under_a]]
     };
-    alone.flat_map(curtain).collect()
+    ends.flat_map(curtain).collect()
 }
 
 /// For each vertex one that stands at the same place: corners of triangles that touch need not be shared.
