@@ -13,7 +13,8 @@
 //!
 //! # Limits
 //! * Of a mesh the triangles that face up or stand upright count, whether a cutter can see them or not; those
-//!   that face down do not. Which way is up is told by most of the mesh, see [`on_mesh`].
+//!   that face down do not. Which way is up is told by most of the mesh, see [`on_mesh`]. Where neighbours face
+//!   opposite ways those that face down count too, unless something lies above them.
 //! * Where the top of a mesh ends, the part goes straight down from there: so a cutter that grazes the rim
 //!   of a sheet is not as deep in it as the sheet is high. Cracks in a mesh are such ends too, and a gouge
 //!   beside one is no deeper than it is far from it.

@@ -50,7 +50,23 @@ impl OnMesh {
             return Err(DeviationError::BadTriangle { triangle });
         }
         let bounds = mesh.bounds().ok_or(DeviationError::NoTop)?;
-        let up = facing_up(mesh, bounds);
+        let tops = tops(mesh, machined, corner, tick).ok_or(DeviationError::Stopped)?;
+        // Where some triangles are turned over the side that they face says little; they may lie on top.
+        let mixed = faces_both_ways(mesh);
+        let on_top = |corners: [DVec3; 3]| {
+            if !mixed {
+                return false;
+            }
+            let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+            let node = ((middle.truncate() - corner) / machined.pitch_mm()).round();
+            let within = node.cmpge(DVec2::ZERO).all()
+                && node.x < machined.columns() as f64
+                && node.y < machined.rows() as f64;
+            let highest = corners.iter().map(|corner| corner.z).fold(f64::NEG_INFINITY, f64::max);
+            let above = highest + machined.pitch_mm();
+            !within || !(tops[node.y as usize * machined.columns() + node.x as usize] > above)
+        };
+        let up = facing_up(mesh, bounds, on_top);
         let mut triangles: Vec<[DVec3; 3]> = up.iter().map(|t| mesh.corners(*t as usize)).collect();
         let bottom_mm = bounds.min.z.min(machined.bounds().min.z);
         triangles.extend(curtains(mesh, &up, bottom_mm));
@@ -61,7 +77,6 @@ impl OnMesh {
         let count = triangles.len();
         plant(&mut triangles, 0, &mut branches, tick).ok_or(DeviationError::Stopped)?;
         debug_assert_eq!(branches[0].triangles, [0, count as u32]);
-        let tops = tops(mesh, machined, corner, tick).ok_or(DeviationError::Stopped)?;
         let extent = [bounds.min.truncate(), bounds.max.truncate()];
         Ok(Self { triangles, branches, extent, tops, columns: machined.columns() })
     }
@@ -135,8 +150,20 @@ fn first_of_equals(vertices: &[DVec3]) -> Vec<u32> {
     same
 }
 
-/// The triangles that do not face down.
-fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<u32> {
+/// Whether neighbours face opposite ways: both go along their edge in one direction.
+fn faces_both_ways(mesh: &Mesh) -> bool {
+    let same = first_of_equals(&mesh.vertices);
+    let edges_of = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| u64::from(same[v as usize]));
+        [a << 32 | b, b << 32 | c, c << 32 | a]
+    };
+    let mut edges: Vec<u64> = mesh.triangles.par_iter().flat_map_iter(edges_of).collect();
+    edges.par_sort_unstable();
+    edges.windows(2).any(|pair| pair[0] == pair[1])
+}
+
+/// The triangles that do not face down, and those that do and are `on_top`.
+fn facing_up(mesh: &Mesh, bounds: Bounds, on_top: impl Fn([DVec3; 3]) -> bool) -> Vec<u32> {
     let normal = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a);
     let corners = || (0..mesh.triangles.len()).map(|t| mesh.corners(t));
     // Twice the volume between the triangles and the lowest of all places, and the area seen from above.
@@ -153,7 +180,8 @@ fn facing_up(mesh: &Mesh, bounds: Bounds) -> Vec<u32> {
         sign * normal.z >= -UPRIGHT * normal.length()
     };
     let all = u32::try_from(mesh.triangles.len()).unwrap_or(u32::MAX);
-    (0..all).filter(|t| faces_up(mesh.corners(*t as usize))).collect()
+    let counts = |corners| faces_up(corners) || on_top(corners);
+    (0..all).filter(|t| counts(mesh.corners(*t as usize))).collect()
 }
 
 /// Puts triangles in the order of the tree and adds its branches; `first` is the number of the first.
