@@ -64,7 +64,9 @@ impl OnMesh {
                 && node.y < machined.rows() as f64;
             let highest = corners.iter().map(|corner| corner.z).fold(f64::NEG_INFINITY, f64::max);
             let above = highest + machined.pitch_mm();
-            !within || !(tops[node.y as usize * machined.columns() + node.x as usize] > above)
+            let node = || node.y as usize * machined.columns() + node.x as usize;
+            let covered = within && tops[node()] > above;
+            !covered
         };
         let up = facing_up(mesh, bounds, on_top);
         let mut triangles: Vec<[DVec3; 3]> = up.iter().map(|t| mesh.corners(*t as usize)).collect();
